@@ -1,0 +1,102 @@
+"""Surroundings of every test: display, marks by folder, leak checks, test volumes."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.leaks import Watch
+from volviz.environment import display_answers, prepare
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+TESTS = Path(__file__).parent
+LAYERS = ("unit", "contract", "render", "ui")
+FAILED = pytest.StashKey[bool]()
+
+# All of this must stand before the first import of Qt (pytest-qt does it while pytest starts) or VTK.
+if sys.platform.startswith("linux"):
+    os.environ.pop("WAYLAND_DISPLAY", None)
+    os.environ["QT_QPA_PLATFORM"] = "xcb"
+    # Pictures are drawn as on a machine without a display, though the tests of the window have one.
+    os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
+prepare()
+
+
+def layer_of(path: Path) -> str | None:
+    """Layer that a test file belongs to: the first folder below `tests`."""
+    try:
+        first = path.relative_to(TESTS).parts[0]
+    except ValueError:
+        return None
+    return first if first in LAYERS else None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if layer := layer_of(item.path):
+            item.add_marker(getattr(pytest.mark, layer))
+    # Later plugins and -m may still deselect; running the plain layers first makes simple mistakes show first.
+    items.sort(key=lambda item: LAYERS.index(layer_of(item.path) or "unit"))
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Say in words what Qt would only say with "Aborted"."""
+    if not sys.platform.startswith("linux") or session.config.option.collectonly:
+        return
+    if any(layer_of(item.path) == "ui" for item in session.items) and not display_answers():
+        pytest.exit(
+            "The tests of the window need a display, and there is neither Xvfb nor a DISPLAY that answers. "
+            "Install Xvfb (Debian: apt-get install xvfb) or leave them out with: pytest -m 'not ui'",
+            returncode=pytest.ExitCode.USAGE_ERROR,
+        )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
+    report = yield
+    if report.failed:
+        item.stash[FAILED] = True
+    return report
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
+    """After each test: no thread, window, widget, timer or GL object more than before.
+
+    A failed test is not searched: its traceback keeps its local variables alive.
+    """
+    layer = layer_of(request.path)
+    watch = Watch(objects=layer not in {None, "unit"})
+    try:
+        yield
+        if request.node.stash.get(FAILED, False) or request.node.get_closest_marker("leaks_allowed"):
+            return
+        if leaks := watch.leaks():
+            pytest.fail("The test left behind:\n  " + "\n  ".join(leaks), pytrace=False)
+    finally:
+        watch.close()
+
+
+@pytest.fixture(scope="session")
+def qapp_args() -> list[str]:
+    """Called before pytest-qt makes the application: contexts must share, or a floating dock loses its picture."""
+    from PySide6.QtCore import QCoreApplication, Qt
+
+    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
+    return ["volviz-tests"]
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """Folder of real volumes that the project may not ship: VOLVIZ_TEST_DATA, or `../shared/data` beside the checkout."""
+    override = os.environ.get("VOLVIZ_TEST_DATA")
+    folder = Path(override) if override else TESTS.parent.parent / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip(f"no test volumes in {folder}; set VOLVIZ_TEST_DATA to a folder that holds them")
+    return folder
