@@ -1,0 +1,61 @@
+"""VolViz: look into volumes, and see how volume rendering works.
+
+The public names are imported on first use, so that ``import volviz`` loads neither VTK nor OpenGL nor Qt.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from volviz.api import presets as presets
+    from volviz.api import show as show
+    from volviz.api import techniques as techniques
+    from volviz.custom_gl.host import VolumeHandle as VolumeHandle
+    from volviz.custom_gl.host import add_volume as add_volume
+    from volviz.errors import VolvizError as VolvizError
+    from volviz.io import load as load
+    from volviz.kernels.marching import marching_cubes as marching_cubes
+    from volviz.mesh import extract_isosurface as extract_isosurface
+    from volviz.model.camera import Camera as Camera
+    from volviz.model.clipping import Clipping as Clipping
+    from volviz.model.light import Light as Light
+    from volviz.model.transfer_function import TransferFunction as TransferFunction
+    from volviz.model.volume import Volume as Volume
+    from volviz.offscreen import render as render
+
+_PUBLIC = {
+    "Camera": "volviz.model.camera",
+    "Clipping": "volviz.model.clipping",
+    "Light": "volviz.model.light",
+    "TransferFunction": "volviz.model.transfer_function",
+    "Volume": "volviz.model.volume",
+    "VolumeHandle": "volviz.custom_gl.host",
+    "VolvizError": "volviz.errors",
+    "add_volume": "volviz.custom_gl.host",
+    "extract_isosurface": "volviz.mesh",
+    "load": "volviz.io",
+    "marching_cubes": "volviz.kernels.marching",
+    "presets": "volviz.api",
+    "render": "volviz.offscreen",
+    "show": "volviz.api",
+    "techniques": "volviz.api",
+}
+
+__all__ = ["__version__", *sorted(_PUBLIC)]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'volviz' has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(_PUBLIC[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PUBLIC})

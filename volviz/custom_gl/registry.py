@@ -1,0 +1,47 @@
+"""Discovery of techniques: every folder in ``techniques/`` and every ``volviz.techniques`` entry point."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import lru_cache
+from importlib.metadata import entry_points
+
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.errors import InputError
+
+ENTRY_POINTS = "volviz.techniques"
+
+
+@lru_cache(maxsize=1)
+def techniques() -> dict[str, TechniqueInfo]:
+    """All techniques by id, in the order of their lists."""
+    from volviz.custom_gl import techniques as package
+
+    found: list[TechniqueInfo] = []
+    for module in pkgutil.iter_modules(package.__path__):
+        if module.ispkg:
+            info = importlib.import_module(f"{package.__name__}.{module.name}").TECHNIQUE
+            if info.id != module.name:
+                raise RuntimeError(f"technique {info.id!r} lies in the folder {module.name!r}")
+            found.append(info)
+    for entry in entry_points(group=ENTRY_POINTS):
+        info = entry.load()
+        if any(info.id == other.id for other in found):
+            raise RuntimeError(f"two techniques are called {info.id!r}; the second one is {entry.value}")
+        found.append(info)
+    return {info.id: info for info in sorted(found, key=lambda info: (info.order, info.id))}
+
+
+def technique(technique_id: str) -> TechniqueInfo:
+    """The technique of that id.
+
+    Raises
+    ------
+    InputError
+        There is none; the sentence lists the ids.
+    """
+    known = techniques()
+    if technique_id not in known:
+        raise InputError(f"there is no technique called {technique_id!r}; there are {', '.join(known)}.")
+    return known[technique_id]

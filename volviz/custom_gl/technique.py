@@ -1,0 +1,241 @@
+"""What a technique is: the two protocols, and what the host hands to an image technique.
+
+An `ImageTechnique` draws with our GLSL into a target of ours and knows nothing of VTK. A `PropTechnique` puts VTK
+props into the renderer and draws nothing itself. Both are described by one `TechniqueInfo`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.model.parameters import Parameter, parameters_of
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.gpu.context import Gpu
+    from volviz.custom_gl.gpu.programs import Program
+    from volviz.custom_gl.gpu.resources import VolumeResources
+    from volviz.custom_gl.gpu.targets import Target
+    from volviz.model.transfer_function import TransferFunction
+    from volviz.model.volume import Volume
+
+Tile = tuple[int, int, int, int]
+Matrix = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TechniqueInfo:
+    """Everything the program knows about a technique without drawing with it.
+
+    Attributes
+    ----------
+    id : str
+        Name of its folder; what ``technique=`` and ``-t`` take.
+    label : str
+        What people call it.
+    summary : str
+        One line on what it does.
+    settings : type
+        Frozen dataclass of `volviz.model.parameters.parameter` fields.
+    create : callable
+        Makes a fresh technique object (no OpenGL work yet).
+    kind : {"image", "prop"}
+        Which protocol `create` gives.
+    handles : tuple of str
+        What can be dragged in the viewport: "light", "plane".
+    displays : tuple of (value, label)
+        Machinery views, "image" first.
+    classic : mapping
+        Settings of the well-known teaching programs (``--classic``).
+    uses_transfer_function : bool
+        Whether the transfer function changes its picture.
+    inert : mapping of str to str
+        Settings that do not change the default picture, each with the reason; the contract tests read it.
+    order : int
+        Place in lists, ascending.
+    """
+
+    id: str
+    label: str
+    summary: str
+    settings: type[Any]
+    create: Callable[[], Any]
+    kind: Literal["image", "prop"] = "image"
+    handles: tuple[str, ...] = ()
+    displays: tuple[tuple[str, str], ...] = (("image", "Image"),)
+    classic: Mapping[str, Any] = field(default_factory=dict)
+    uses_transfer_function: bool = True
+    inert: Mapping[str, str] = field(default_factory=dict)
+    order: int = 100
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Descriptions of its settings."""
+        return parameters_of(self.settings)
+
+
+@dataclass(frozen=True)
+class FrameCamera:
+    """The camera of one frame, in OpenGL conventions (column vectors, clip z in -1..1), float64.
+
+    Attributes
+    ----------
+    view, projection : ndarray of shape (4, 4)
+        World to eye, eye to clip.
+    eye : ndarray of shape (3,)
+        World position of the eye.
+    direction : ndarray of shape (3,)
+        Unit world vector along the view.
+    parallel : bool
+        Parallel projection.
+    """
+
+    view: Matrix
+    projection: Matrix
+    eye: Matrix
+    direction: Matrix
+    parallel: bool
+
+    @property
+    def view_projection(self) -> Matrix:
+        """World to clip."""
+        return np.asarray(self.projection @ self.view)
+
+
+@dataclass
+class Frame:
+    """What the host gives an image technique for one picture. Valid during `plan` and `draw` only.
+
+    Attributes
+    ----------
+    gpu : Gpu
+        Programs, textures and targets of the current OpenGL context.
+    target : Target
+        RGBA32F, single-sample, premultiplied, with depth; cleared before the first chunk.
+    size : tuple of 2 ints
+        Width and height of the target in pixels; may be smaller than the window.
+    window_size : tuple of 2 ints
+        Width and height of the viewport that the picture will fill.
+    volume : Volume
+        The data.
+    resources : VolumeResources
+        Textures of the volume and its transfer function (see `volviz.custom_gl.gpu.resources`).
+    transfer_function : TransferFunction
+        In data units.
+    settings : object
+        Instance of the technique's settings class.
+    camera : FrameCamera
+        Where the eye is.
+    light_position : ndarray of shape (3,)
+        World position of the light; the eye for a headlight.
+    light_color : tuple of 3 floats
+        Its colour.
+    headlight : bool
+        Whether the light sits at the eye.
+    crop : tuple of 6 floats
+        Box that is shown, in continuous voxel indices, within the volume.
+    planes : tuple of (origin, normal)
+        Clip planes in world space.
+    scene_depth : texture or None
+        Resolved depth of the opaque VTK geometry, window depth 0..1, of `window_size`; None = nothing opaque.
+    step_scale : float
+        Factor on the step while interacting; 1 for a full picture.
+    sequence : int
+        Number of the accumulated picture, 0 for the first; seeds the jitter.
+    interactive : bool
+        Drawn during a gesture at lower quality.
+    tiles : tuple of (x, y, width, height)
+        Parts of the target that the box touches, for techniques that work pixel by pixel.
+    uniforms : dict
+        Uniforms that all shaders share, by name; see ``glsl/``.
+    """
+
+    gpu: Gpu
+    target: Target
+    size: tuple[int, int]
+    window_size: tuple[int, int]
+    volume: Volume
+    resources: VolumeResources
+    transfer_function: TransferFunction
+    settings: Any
+    camera: FrameCamera
+    light_position: Matrix
+    light_color: tuple[float, float, float]
+    headlight: bool
+    crop: tuple[float, float, float, float, float, float]
+    planes: tuple[tuple[tuple[float, float, float], tuple[float, float, float]], ...]
+    scene_depth: Any
+    step_scale: float
+    sequence: int
+    interactive: bool
+    tiles: tuple[Tile, ...]
+    uniforms: dict[str, Any]
+
+    @property
+    def box_corners(self) -> Matrix:
+        """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
+        i0, i1, j0, j1, k0, k1 = self.crop
+        index = np.array(
+            [[(i0, i1)[c & 1], (j0, j1)[c >> 1 & 1], (k0, k1)[c >> 2 & 1]] for c in range(8)], dtype=np.float64
+        )
+        matrix = self.volume.index_to_world
+        return np.asarray(index @ matrix[:3, :3].T + matrix[:3, 3])
+
+    @property
+    def step_world(self) -> float:
+        """Distance between samples in world units (settings that have a ``step``)."""
+        return float(self.settings.step) * min(self.volume.spacing) * self.step_scale
+
+    @property
+    def unit_distance(self) -> float:
+        """Opacity unit distance in world units."""
+        chosen = getattr(self.settings, "opacity_unit_distance", None)
+        return self.volume.mean_spacing if chosen is None else float(chosen)
+
+    def apply(self, program: Program) -> None:
+        """Set every shared uniform that the program has and bind the shared textures to their units."""
+        program.set(self.uniforms)
+        self.resources.bind(program, self)
+
+
+@runtime_checkable
+class ImageTechnique(Protocol):
+    """Draws a picture of the volume in chunks, into the frame's target.
+
+    `plan` and `draw` are called with the context current and the OpenGL state reset to defaults. `draw` must be
+    stateless between calls, except for what lies in targets of the technique's own; the host may stop after any
+    chunk and begin a new frame.
+    """
+
+    def plan(self, frame: Frame) -> int:
+        """Prepare what the frame needs and say into how many chunks its drawing is divided (at least 1)."""
+
+    def draw(self, frame: Frame, chunk: int) -> None:
+        """Draw one chunk, 0 <= chunk < plan(frame), in ascending order."""
+
+    def release(self) -> None:
+        """Release what the technique itself holds on the GPU; the context is current."""
+
+
+@runtime_checkable
+class PropTechnique(Protocol):
+    """Shows the volume by VTK's own props."""
+
+    def attach(self, renderer: Any, volume: Volume) -> None:
+        """Add the props to a `vtkRenderer`."""
+
+    def update(
+        self,
+        volume: Volume,
+        transfer_function: TransferFunction,
+        settings: Any,
+        shared: Any,
+    ) -> None:
+        """Make the props show these values."""
+
+    def detach(self) -> None:
+        """Remove the props again."""

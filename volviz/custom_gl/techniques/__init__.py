@@ -1,0 +1,1 @@
+"""One folder a technique; `volviz.custom_gl.registry` finds them."""

@@ -1,0 +1,1 @@
+"""What is shown, as plain immutable values: no Qt, no OpenGL, no VTK."""

@@ -1,0 +1,150 @@
+"""The camera as a value."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.errors import InputError
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where the eye is and what it sees.
+
+    Attributes
+    ----------
+    position, focal_point, view_up : tuple of 3 floats
+        World coordinates (x, y, z) and an up direction.
+    view_angle : float
+        Full vertical angle of view in degrees, 1..170.
+    parallel : bool
+        Parallel projection instead of perspective.
+    parallel_scale : float or None
+        Half the height of the view in world units (parallel projection); None derives it from the view angle at
+        the focal point.
+    """
+
+    position: Vector
+    focal_point: Vector
+    view_up: Vector = (0.0, 0.0, 1.0)
+    view_angle: float = 30.0
+    parallel: bool = False
+    parallel_scale: float | None = None
+
+    def __post_init__(self) -> None:
+        values = (*self.position, *self.focal_point, *self.view_up, self.view_angle)
+        if not np.all(np.isfinite(values)):
+            raise InputError("the camera must be given in finite numbers.")
+        if not 1 <= self.view_angle <= 170:
+            raise InputError(f"view_angle must lie between 1 and 170 degrees, got {self.view_angle:g}.")
+        if self.position == self.focal_point:
+            raise InputError("camera position and focal point are the same point; move one of them.")
+
+    @property
+    def direction(self) -> Vector:
+        """Unit vector from the eye to the focal point."""
+        d = np.subtract(self.focal_point, self.position)
+        x, y, z = d / np.linalg.norm(d)
+        return float(x), float(y), float(z)
+
+    @property
+    def distance(self) -> float:
+        """World distance from the eye to the focal point."""
+        return float(np.linalg.norm(np.subtract(self.focal_point, self.position)))
+
+    @property
+    def scale(self) -> float:
+        """Half the height of the view at the focal point, in world units."""
+        if self.parallel_scale is not None:
+            return self.parallel_scale
+        return self.distance * float(np.tan(np.radians(self.view_angle) / 2))
+
+    def turned(self, azimuth: float = 0.0, elevation: float = 0.0) -> Camera:
+        """The camera moved around the focal point, in degrees; azimuth about the up vector, then elevation."""
+        offset = np.subtract(self.position, self.focal_point)
+        up = np.asarray(self.view_up) / np.linalg.norm(self.view_up)
+        offset = _rotation(up, azimuth) @ offset
+        right = np.cross(-offset, up)
+        norm = np.linalg.norm(right)
+        if norm > 1e-12:
+            turn = _rotation(right / norm, -elevation)
+            offset, up = turn @ offset, turn @ up
+        return replace(
+            self,
+            position=_vector(np.add(self.focal_point, offset)),
+            view_up=_vector(up),
+        )
+
+    @classmethod
+    def coerce(cls, value: Any) -> Camera:
+        """A camera from a `Camera` or a pyvista ``camera_position`` triple (position, focal point, up)."""
+        if isinstance(value, Camera):
+            return value
+        try:
+            position, focal_point, view_up = (_vector(part) for part in value)
+        except (TypeError, ValueError):
+            raise InputError(
+                "camera must be a volviz.Camera or three triples (position, focal point, view up), "
+                f"got {value!r}."
+            ) from None
+        return cls(position, focal_point, view_up)
+
+    @classmethod
+    def fit(
+        cls,
+        corners: npt.NDArray[np.float64],
+        *,
+        direction: Sequence[float] = (0.0, 1.0, 0.0),
+        view_up: Sequence[float] = (0.0, 0.0, 1.0),
+        view_angle: float = 30.0,
+        aspect: float = 1.0,
+        fill: float = 0.92,
+    ) -> Camera:
+        """The camera that looks along `direction` and just holds all `corners`.
+
+        Parameters
+        ----------
+        corners : ndarray of shape (N, 3)
+            World points that must be visible.
+        direction : tuple of 3 floats
+            Viewing direction; the default looks from anterior to posterior in LPS, at a patient's face.
+        aspect : float
+            Width / height of the view.
+        fill : float
+            Fraction of the view that the points may fill, 0..1.
+        """
+        d = np.asarray(direction, float)
+        d /= np.linalg.norm(d)
+        up = np.asarray(view_up, float)
+        right = np.cross(d, up)
+        right /= np.linalg.norm(right)
+        up = np.cross(right, d)
+        center = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        local = corners - center
+        tan_y = np.tan(np.radians(view_angle) / 2) * fill
+        tan_x = tan_y * aspect
+        depth = local @ d
+        distance = float(
+            max(np.max(np.abs(local @ right) / tan_x - depth), np.max(np.abs(local @ up) / tan_y - depth))
+        )
+        return cls(_vector(center - distance * d), _vector(center), _vector(up), view_angle)
+
+
+def _vector(values: Any) -> Vector:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
+
+
+def _rotation(axis: npt.NDArray[np.float64], degrees: float) -> npt.NDArray[np.float64]:
+    """Rotation matrix about a unit axis (Rodrigues 1840)."""
+    angle = np.radians(degrees)
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross))
