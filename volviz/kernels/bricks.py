@@ -1,0 +1,293 @@
+"""Min-max bricks: what is empty, and how far it is to the next brick that is not.
+
+The volume is cut into bricks of 8^3 voxels or so: brick (b_z, b_y, b_x) owns the voxels ``8 b .. 8 b + 7``
+along each axis. Its bounds are taken over these voxels *and one more on each side*. So they hold for every
+trilinear or nearest sample whose brick is found as ``floor(p / 8)`` from the continuous voxel index p, and
+also as ``floor((p + 0.5) / 8)`` from a texture coordinate times N; neighbouring bricks' intervals overlap.
+
+A ray that stands in an empty brick with chessboard distance c may skip everything inside the cube of bricks
+that reaches c - 1 bricks to each side of its own. Where a picture needs two consecutive samples
+(pre-integration, isosurface crossings), a segment may be skipped only when *both* its ends lie in empty
+bricks; for steps no longer than a brick nothing between them is missed then, because the two intervals
+overlap.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.errors import InputError
+from volviz.kernels.arrays import check_scalars, native_slab
+from volviz.kernels.compiled import compiled
+from volviz.kernels.threads import map_ranges
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+AnyArray = npt.NDArray[Any]
+Float32Array = npt.NDArray[np.float32]
+BoolArray = npt.NDArray[np.bool_]
+
+DEFAULT_BRICK = 8
+
+#: Chessboard distances are kept in a byte; farther is the same as this far.
+MAX_DISTANCE = 255
+
+
+def brick_grid_shape(shape: Sequence[int], brick: int = DEFAULT_BRICK) -> tuple[int, int, int]:
+    """Number of bricks (b_z, b_y, b_x) that cover a volume of `shape` (Z, Y, X)."""
+    if brick < 1:
+        raise InputError(f"brick must be at least 1 voxel, got {brick}.")
+    z, y, x = ((int(n) + brick - 1) // brick for n in shape)
+    return z, y, x
+
+
+def brick_min_max(
+    array: npt.NDArray[Any], brick: int = DEFAULT_BRICK, *, lowest: float | None = None
+) -> tuple[Float32Array, Float32Array]:
+    """Lowest and highest value in every brick, dilated by one voxel: what makes empty space known.
+
+    Parameters
+    ----------
+    array : ndarray of shape (Z, Y, X)
+        Scalars of any real type and byte order, in data units. Never copied as a whole.
+    brick : int, default: 8
+        Edge of a brick in voxels, at least 1.
+    lowest : float, optional
+        Value that NaN and infinities count as: the lowest finite value of the volume (`FiniteRange.low`).
+        Only looked at for floating-point arrays; default 0.
+
+    Returns
+    -------
+    mins, maxs : ndarray of shape (b_z, b_y, b_x), float32
+        Bounds over the brick's voxels and one more on each side, rounded to float32 like an R32F texture.
+
+    Raises
+    ------
+    InputError
+        Not a three-dimensional array of numbers, or `brick` below 1.
+    """
+    check_scalars(array)
+    grid = brick_grid_shape(array.shape, brick)
+    mins = np.empty(grid, np.float32)
+    maxs = np.empty(grid, np.float32)
+    depth = array.shape[0]
+    floor = 0.0 if lowest is None else float(lowest)
+
+    def fill(first: int, last: int) -> None:
+        for b in range(first, last):
+            slab = native_slab(array, max(b * brick - 1, 0), min((b + 1) * brick + 1, depth))
+            if slab.dtype.kind == "f":
+                _slab_bounds_float(slab, brick, slab.dtype.type(floor), mins[b], maxs[b])
+            else:
+                _slab_bounds_integer(slab, brick, mins[b], maxs[b])
+
+    map_ranges(fill, grid[0])
+    return mins, maxs
+
+
+@compiled
+def _slab_bounds_integer(slab: AnyArray, brick: int, mins: AnyArray, maxs: AnyArray) -> None:
+    """Bounds of one layer of bricks; `slab` holds its dilated planes.
+
+    Whole rows are reduced at a time, so that the loops vectorise.
+    """
+    nz, ny, nx = slab.shape
+    row_low = np.empty((ny, nx), slab.dtype)
+    row_high = np.empty((ny, nx), slab.dtype)
+    for y in range(ny):
+        for x in range(nx):
+            row_low[y, x] = slab[0, y, x]
+            row_high[y, x] = slab[0, y, x]
+        for z in range(1, nz):
+            for x in range(nx):
+                v = slab[z, y, x]
+                row_low[y, x] = min(row_low[y, x], v)
+                row_high[y, x] = max(row_high[y, x], v)
+    _reduce_plane(row_low, row_high, brick, mins, maxs)
+
+
+@compiled
+def _slab_bounds_float(slab: AnyArray, brick: int, lowest: Any, mins: AnyArray, maxs: AnyArray) -> None:
+    """As `_slab_bounds_integer`, with NaN and infinities counted as `lowest`."""
+    nz, ny, nx = slab.shape
+    row_low = np.empty((ny, nx), slab.dtype)
+    row_high = np.empty((ny, nx), slab.dtype)
+    for y in range(ny):
+        for z in range(nz):
+            for x in range(nx):
+                v = slab[z, y, x]
+                # v - v is 0 for finite values only; a select, not a branch, so the loop still vectorises
+                v = v if v - v == 0 else lowest
+                if z == 0:
+                    row_low[y, x] = v
+                    row_high[y, x] = v
+                else:
+                    row_low[y, x] = min(row_low[y, x], v)
+                    row_high[y, x] = max(row_high[y, x], v)
+    _reduce_plane(row_low, row_high, brick, mins, maxs)
+
+
+@compiled
+def _reduce_plane(low: AnyArray, high: AnyArray, brick: int, mins: AnyArray, maxs: AnyArray) -> None:
+    """Reduce planes of per-column bounds to bricks, dilated by one along y and x."""
+    ny, nx = low.shape
+    by, bx = mins.shape
+    line_low = np.empty(nx, low.dtype)
+    line_high = np.empty(nx, low.dtype)
+    for b in range(by):
+        y0 = max(b * brick - 1, 0)
+        y1 = min((b + 1) * brick + 1, ny)
+        for x in range(nx):
+            line_low[x] = low[y0, x]
+            line_high[x] = high[y0, x]
+        for y in range(y0 + 1, y1):
+            for x in range(nx):
+                line_low[x] = min(line_low[x], low[y, x])
+                line_high[x] = max(line_high[x], high[y, x])
+        for c in range(bx):
+            x0 = max(c * brick - 1, 0)
+            x1 = min((c + 1) * brick + 1, nx)
+            lowest = line_low[x0]
+            highest = line_high[x0]
+            for x in range(x0 + 1, x1):
+                lowest = min(lowest, line_low[x])
+                highest = max(highest, line_high[x])
+            mins[b, c] = lowest
+            maxs[b, c] = highest
+
+
+def visible_prefix(opacity: npt.ArrayLike) -> npt.NDArray[np.int64]:
+    """Prefix counts of a baked opacity table, from which `occupancy` answers each brick in constant time.
+
+    Parameters
+    ----------
+    opacity : array_like of shape (n,)
+        Opacities of the table's entries; above 0 = visible. Fold in here whatever else makes a value
+        invisible (a density threshold, say) by setting its entries to 0.
+
+    Returns
+    -------
+    ndarray of shape (n + 1,), int64
+        Element i counts the visible entries before i.
+    """
+    visible = np.asarray(opacity).reshape(-1) > 0
+    if visible.size == 0:
+        raise InputError("the opacity table is empty; give at least one entry.")
+    return np.concatenate(([0], np.cumsum(visible, dtype=np.int64)))
+
+
+def occupancy(
+    mins: Float32Array, maxs: Float32Array, prefix: npt.NDArray[np.int64], value_range: tuple[float, float]
+) -> BoolArray:
+    """Which bricks hold anything visible under a transfer function.
+
+    Parameters
+    ----------
+    mins, maxs : ndarray of shape (b_z, b_y, b_x), float32
+        From `brick_min_max`, in data units.
+    prefix : ndarray of shape (n + 1,), int64
+        From `visible_prefix` of the baked table; entry i stands for the value ``lo + i (hi - lo) / (n - 1)``.
+    value_range : (lo, hi)
+        Data values of the table's first and last entry, lo <= hi; values outside use the end entries.
+
+    Returns
+    -------
+    ndarray of shape (b_z, b_y, b_x), bool
+        True when an entry that linear look-ups within [min, max] can touch, or one beside those, is
+        visible. The extra entry covers rounding in a texture's own scale, so that nothing visible is ever
+        called empty.
+    """
+    n = len(prefix) - 1
+    low, high = value_range
+    scale = (n - 1) / (high - low) if high > low else 0.0
+    first = np.floor((mins.astype(np.float64) - low) * scale) - 1
+    last = np.ceil((maxs.astype(np.float64) - low) * scale) + 1
+    first = np.clip(first, 0, n - 1).astype(np.int64)
+    last = np.clip(last, 0, n - 1).astype(np.int64)
+    return np.asarray(prefix[last + 1] > prefix[first])
+
+
+def occupancy_for_isovalues(mins: Float32Array, maxs: Float32Array, isovalues: Sequence[float]) -> BoolArray:
+    """Which bricks may be crossed by a surface of any of the isovalues.
+
+    Parameters
+    ----------
+    mins, maxs : ndarray of shape (b_z, b_y, b_x), float32
+        From `brick_min_max`, in data units.
+    isovalues : sequence of floats
+        In data units; none gives an empty picture.
+
+    Returns
+    -------
+    ndarray of shape (b_z, b_y, b_x), bool
+        True when ``min <= isovalue <= max``, widened by the rounding of a 16-bit or float32 texture.
+    """
+    result = np.zeros(mins.shape, bool)
+    if result.size == 0:
+        return result
+    span = float(maxs.max()) - float(mins.min())
+    largest = max(abs(float(maxs.max())), abs(float(mins.min())))
+    margin = span / 65535 + 4 * float(np.finfo(np.float32).eps) * largest
+    for isovalue in isovalues:
+        result |= (mins <= isovalue + margin) & (maxs >= isovalue - margin)
+    return result
+
+
+def chessboard_distance(occupied: BoolArray) -> npt.NDArray[np.uint8]:
+    """How many bricks away the nearest occupied brick is: how far a ray may jump.
+
+    Exact Chebyshev distance by two raster passes over half of the 26 neighbours each (Rosenfeld and Pfaltz
+    1966).
+
+    Parameters
+    ----------
+    occupied : ndarray of shape (b_z, b_y, b_x), bool
+        From `occupancy` or `occupancy_for_isovalues`.
+
+    Returns
+    -------
+    ndarray of the same shape, uint8
+        0 for occupied bricks; 255 for 255 and more, and everywhere when no brick is occupied.
+    """
+    distance = np.where(occupied, 0, MAX_DISTANCE).astype(np.int32)
+    padded = np.pad(distance, 1, constant_values=MAX_DISTANCE)
+    _chessboard_passes(padded)
+    return padded[1:-1, 1:-1, 1:-1].astype(np.uint8)
+
+
+@compiled
+def _chessboard_passes(d: npt.NDArray[np.int32]) -> None:
+    """Forward and backward pass, in place, over an array with a border of one."""
+    nz, ny, nx = d.shape
+    for z in range(1, nz - 1):
+        for y in range(1, ny - 1):
+            for x in range(1, nx - 1):
+                best = d[z, y, x - 1]
+                for i in range(-1, 2):
+                    best = min(best, d[z, y - 1, x + i])
+                    for j in range(-1, 2):
+                        best = min(best, d[z - 1, y + j, x + i])
+                d[z, y, x] = min(d[z, y, x], best + 1)
+    for z in range(nz - 2, 0, -1):
+        for y in range(ny - 2, 0, -1):
+            for x in range(nx - 2, 0, -1):
+                best = d[z, y, x + 1]
+                for i in range(-1, 2):
+                    best = min(best, d[z, y + 1, x + i])
+                    for j in range(-1, 2):
+                        best = min(best, d[z + 1, y + j, x + i])
+                d[z, y, x] = min(d[z, y, x], best + 1)
+
+
+def grow_occupancy(occupied: BoolArray, bricks: int = 1) -> BoolArray:
+    """The occupied bricks and all within `bricks` of them (26 neighbours).
+
+    Needed where a sample looks farther than one voxel beyond its brick (wide gradients, blur), and by
+    renderers that would rather treat the neighbours of occupied bricks as occupied than look at both ends
+    of a segment.
+    """
+    return chessboard_distance(occupied) <= bricks
