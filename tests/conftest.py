@@ -41,7 +41,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if layer := layer_of(item.path):
             item.add_marker(getattr(pytest.mark, layer))
-    # Later plugins and -m may still deselect; running the plain layers first makes simple mistakes show first.
+    # Later plugins and -m may still deselect; running the plain layers first makes simple mistakes show
+    # first.
     items.sort(key=lambda item: LAYERS.index(layer_of(item.path) or "unit"))
 
 
@@ -85,7 +86,7 @@ def nothing_is_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def qapp_args() -> list[str]:
-    """Called before pytest-qt makes the application: contexts must share, or a floating dock loses its picture."""
+    """Runs before pytest-qt makes the application: unless contexts share, a floating dock loses its picture."""
     from PySide6.QtCore import QCoreApplication, Qt
 
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
@@ -94,7 +95,7 @@ def qapp_args() -> list[str]:
 
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
-    """Folder of real volumes that the project may not ship: VOLVIZ_TEST_DATA, or `../shared/data` beside the checkout."""
+    """Folder of real volumes that the project may not ship: VOLVIZ_TEST_DATA, or `../shared/data`."""
     override = os.environ.get("VOLVIZ_TEST_DATA")
     folder = Path(override) if override else TESTS.parent.parent / "shared" / "data"
     if not folder.is_dir():

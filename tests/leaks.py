@@ -1,9 +1,11 @@
 """What a test may not leave behind: threads, VTK windows, GL objects, Qt widgets, timers and threads.
 
-Everything here looks only at modules that are already imported, so that a test of plain values pays for none of it.
+Everything here looks only at modules that are already imported, so that a test of plain values pays for none
+of it.
 
-`Watch` freezes the garbage collector's view of all that existed before the test (`gc.freeze`): the search after the
-test then sees only the objects that the test made, and costs milliseconds instead of a walk over the whole heap.
+`Watch` freezes the garbage collector's view of all that existed before the test (`gc.freeze`): the search
+after the test then sees only the objects that the test made, and costs milliseconds instead of a walk over
+the whole heap.
 """
 
 from __future__ import annotations
@@ -30,7 +32,16 @@ VTK_CLASSES = (
     ("vtkmodules.vtkRenderingCore", "vtkAbstractVolumeMapper"),
     ("vtkmodules.vtkRenderingCore", "vtkPolyDataMapper"),
 )
-GL_CLASSES = ("Texture", "TextureArray", "Texture3D", "TextureCube", "Buffer", "Program", "VertexArray", "Renderbuffer")
+GL_CLASSES = (
+    "Texture",
+    "TextureArray",
+    "Texture3D",
+    "TextureCube",
+    "Buffer",
+    "Program",
+    "VertexArray",
+    "Renderbuffer",
+)
 
 
 def running_threads() -> set[threading.Thread]:
@@ -112,7 +123,7 @@ def _gl_objects(objects: Iterable[Any]) -> Iterator[str]:
         # After release() the wrapped object is replaced by an InvalidObject.
         if isinstance(item, classes) and type(item.mglo).__name__ != "InvalidObject":
             label = getattr(item, "label", None) or ""
-            yield f"moderngl.{type(item).__name__} {label} was not released (held by {_holders(item, objects)})"
+            yield f"moderngl.{type(item).__name__} {label} was not released, held by {_holders(item, objects)}"
 
 
 def _holders(item: Any, ignored: Any) -> str:

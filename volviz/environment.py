@@ -1,7 +1,7 @@
 """What must be set before VTK, PyVista, Qt or numba are imported, and what kind of display there is.
 
-Only the standard library is imported here, so that these functions can run before anything else. Each setting is a
-default: a value that the user has put into the environment stays.
+Only the standard library is imported here, so that these functions can run before anything else. Each setting
+is a default: a value that the user has put into the environment stays.
 """
 
 from __future__ import annotations
@@ -14,7 +14,10 @@ __all__ = ["display_answers", "has_display", "prepare", "prepare_numba", "prepar
 
 
 def has_display() -> bool:
-    """Whether a window can be asked for at all: always on macOS and Windows, with DISPLAY or WAYLAND_DISPLAY elsewhere."""
+    """Whether a window can be asked for at all.
+
+    On Linux that takes DISPLAY or WAYLAND_DISPLAY; macOS and Windows always have one.
+    """
     if not _is_linux():
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
@@ -23,8 +26,9 @@ def has_display() -> bool:
 def display_answers() -> bool:
     """Whether the display can really be opened.
 
-    A DISPLAY that nobody listens to makes Qt abort the process with a misleading message, so it is tried first. On
-    Linux this asks the X server through libxcb, which Qt's own platform plugin needs too; it takes a millisecond.
+    A DISPLAY that nobody listens to makes Qt abort the process with a misleading message, so it is tried
+    first. On Linux this asks the X server through libxcb, which Qt's own platform plugin needs too; it takes
+    a millisecond.
     """
     if not _is_linux():
         return True
@@ -46,7 +50,10 @@ def display_answers() -> bool:
 
 
 def prepare() -> None:
-    """Set everything below. Call it before the first import of VTK, PyVista, Qt or numba; a second call changes nothing."""
+    """Set everything below; a second call changes nothing.
+
+    Call it before the first import of VTK, PyVista, Qt or numba.
+    """
     prepare_vtk()
     prepare_qt()
     prepare_numba()
@@ -55,8 +62,9 @@ def prepare() -> None:
 def prepare_vtk() -> None:
     """Set what VTK and PyVista read while they are imported.
 
-    PyVista takes a fork of VTK where one is installed; ours is tested with VTK itself. Without a display VTK's default
-    window prints warnings and tries GLX first: the EGL window draws in silence, and 0.4 s sooner.
+    PyVista takes a fork of VTK where one is installed; ours is tested with VTK itself. Without a display
+    VTK's default window prints warnings and tries GLX first: the EGL window draws in silence, and 0.4 s
+    sooner.
     """
     os.environ.setdefault("PYVISTA_VTK_BACKEND", "vtk")
     if _is_linux() and not os.environ.get("DISPLAY"):
@@ -66,8 +74,8 @@ def prepare_vtk() -> None:
 def prepare_qt() -> None:
     """Set what Qt and its wrappers read before the application object exists.
 
-    On a Wayland desktop that also offers X, X is used: VTK's own windows speak X only, and one process must not mix
-    both.
+    On a Wayland desktop that also offers X, X is used: VTK's own windows speak X only, and one process must
+    not mix both.
     """
     os.environ.setdefault("QT_API", "pyside6")
     if _is_linux() and os.environ.get("DISPLAY"):
@@ -75,7 +83,10 @@ def prepare_qt() -> None:
 
 
 def prepare_numba() -> None:
-    """Prefer OpenMP for parallel kernels: numba's own "workqueue" layer ends the process when two threads use it at once."""
+    """Prefer OpenMP for parallel kernels.
+
+    numba's own "workqueue" layer ends the process when two threads run parallel kernels at once.
+    """
     os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
 
 

@@ -1,4 +1,4 @@
-"""The version is written once and reported everywhere."""
+"""The package and its metadata tell the same version."""
 
 from __future__ import annotations
 
