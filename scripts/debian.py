@@ -35,9 +35,7 @@ def install(packages: list[str]) -> bool:
         return False
     names = " ".join(packages)
     if shutil.which("apt-get") is None:
-        _say(
-            f"Some libraries were not found. If the program does not start, install what Debian calls: {names}"
-        )
+        _say(f"Some libraries are missing. If the program does not start, install what Debian calls: {names}")
         return False
     prefix = [] if os.geteuid() == 0 else ["sudo"]
     install_line = shlex.join([*prefix, *APT_INSTALL, *packages])

@@ -29,9 +29,7 @@ def main(arguments: list[str]) -> int:
         command = [str(python), "-m", "volviz", *arguments]
     else:
         reason = "The display does not answer" if wanted else "There is no display"
-        set_up.say(
-            f"{reason}: instead of opening the window, the sample is drawn with every technique into {OUT.name}/"
-        )
+        set_up.say(f"{reason}: instead of a window, there will be pictures of every technique in {OUT.name}/")
         command = [
             str(python),
             "-m",

@@ -172,7 +172,7 @@ def venv_works() -> bool:
         return False
     if STAMP.exists() and python.resolve().exists():
         return True
-    command = [python, "-m", "pip", "--version"]
+    command = [str(python), "-m", "pip", "--version"]
     return subprocess.run(command, check=False, capture_output=True).returncode == 0
 
 

@@ -86,7 +86,7 @@ def nothing_is_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def qapp_args() -> list[str]:
-    """Runs before pytest-qt makes the application: unless contexts share, a floating dock loses its picture."""
+    """Runs before the application is made: unless contexts share, a floating dock loses its picture."""
     from PySide6.QtCore import QCoreApplication, Qt
 
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)

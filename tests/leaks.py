@@ -123,7 +123,7 @@ def _gl_objects(objects: Iterable[Any]) -> Iterator[str]:
         # After release() the wrapped object is replaced by an InvalidObject.
         if isinstance(item, classes) and type(item.mglo).__name__ != "InvalidObject":
             label = getattr(item, "label", None) or ""
-            yield f"moderngl.{type(item).__name__} {label} was not released, held by {_holders(item, objects)}"
+            yield f"moderngl.{type(item).__name__} {label} is not released, held by {_holders(item, objects)}"
 
 
 def _holders(item: Any, ignored: Any) -> str:

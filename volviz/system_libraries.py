@@ -75,7 +75,7 @@ LIBRARIES = (
     SystemLibrary("libxcb-xfixes.so.0", "libxcb-xfixes0", "window", "libgl1"),
     SystemLibrary("libxcb-xkb.so.1", "libxcb-xkb1", "window", "libxkbcommon-x11-0"),
 )
-"""Every library that is looked for, one by one. The loader does not search `dri`, Mesa's folder of drivers."""
+"""Every library that is looked for, one by one. The loader does not search Mesa's folder `dri`."""
 
 PACKAGE_OF = {library.soname: library.package for library in LIBRARIES}
 
