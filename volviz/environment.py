@@ -10,7 +10,15 @@ import ctypes
 import os
 import sys
 
-__all__ = ["display_answers", "has_display", "prepare", "prepare_numba", "prepare_qt", "prepare_vtk"]
+__all__ = [
+    "display_answers",
+    "has_display",
+    "is_linux",
+    "prepare",
+    "prepare_numba",
+    "prepare_qt",
+    "prepare_vtk",
+]
 
 
 def has_display() -> bool:
@@ -18,7 +26,7 @@ def has_display() -> bool:
 
     On Linux that takes DISPLAY or WAYLAND_DISPLAY; macOS and Windows always have one.
     """
-    if not _is_linux():
+    if not is_linux():
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
@@ -30,7 +38,7 @@ def display_answers() -> bool:
     first. On Linux this asks the X server through libxcb, which Qt's own platform plugin needs too; it takes
     a millisecond.
     """
-    if not _is_linux():
+    if not is_linux():
         return True
     if not os.environ.get("DISPLAY"):
         return bool(os.environ.get("WAYLAND_DISPLAY"))
@@ -67,7 +75,7 @@ def prepare_vtk() -> None:
     sooner.
     """
     os.environ.setdefault("PYVISTA_VTK_BACKEND", "vtk")
-    if _is_linux() and not os.environ.get("DISPLAY"):
+    if is_linux() and not (os.environ.get("DISPLAY") and display_answers()):
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 
@@ -78,7 +86,7 @@ def prepare_qt() -> None:
     not mix both.
     """
     os.environ.setdefault("QT_API", "pyside6")
-    if _is_linux() and os.environ.get("DISPLAY"):
+    if is_linux() and os.environ.get("DISPLAY"):
         os.environ.setdefault("QT_QPA_PLATFORM", "xcb")
 
 
@@ -90,5 +98,6 @@ def prepare_numba() -> None:
     os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
 
 
-def _is_linux() -> bool:
+def is_linux() -> bool:
+    """Whether this is Linux, the one system where display and libraries are anybody's guess."""
     return sys.platform.startswith("linux")
