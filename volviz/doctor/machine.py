@@ -116,7 +116,7 @@ def check_disk() -> Iterator[Check]:
 
 
 def kernel_cache() -> Path:
-    """Folder of the compiled kernels, chosen as numba does: the override, beside the source, the user's cache."""
+    """Folder of the compiled kernels, chosen as numba does: the override, beside the source, the user's."""
     if override := os.environ.get("NUMBA_CACHE_DIR"):
         return Path(override)
     beside = Path(__file__).parent.parent / "kernels" / "__pycache__"
