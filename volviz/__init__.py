@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from volviz.environment import prepare as _prepare
+
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
@@ -43,6 +45,9 @@ _PUBLIC = {
     "show": "volviz.api",
     "techniques": "volviz.api",
 }
+
+# only environment variables are set here; they are read when VTK, Qt or numba are imported, by us or by the caller
+_prepare()
 
 __all__ = ["__version__", *sorted(_PUBLIC)]
 

@@ -146,6 +146,7 @@ class SamplingSettings:
         "Opacity unit distance",
         "Length of ray to which the opacities of the transfer function refer, in world units; larger is more "
         "transparent.",
+        kind="float",
         group="Classification",
         minimum=1e-9,
         soft_minimum=0.05,

@@ -1,0 +1,28 @@
+// From scalars to colour and opacity.
+
+uniform sampler2D t_table;                 // straight RGBA over the data range, one row
+uniform vec2 u_table_map;                  // texture coordinate of the table = fraction * x + y
+uniform float u_density_threshold;         // fractions below it are left out
+uniform float u_inverse_unit_distance;     // 1 / opacity unit distance, per world unit
+uniform float u_gradient_opacity;          // 0..1
+uniform float u_inverse_gradient_scale;    // 1 / largest gradient, in world units per fraction of the range
+
+vec4 classify(float s) {
+    vec4 c = textureLod(t_table, vec2(s * u_table_map.x + u_table_map.y, 0.5), 0.0);
+    return s < u_density_threshold ? vec4(0.0) : c;
+}
+
+// Opacity of a piece of ray of that world length: a' = 1 - (1 - a)^(length / unit distance).
+float corrected_opacity(float a, float world_length_of_sample) {
+    return 1.0 - pow(max(1.0 - a, 0.0), world_length_of_sample * u_inverse_unit_distance);
+}
+
+// Extinction per world unit that belongs to an opacity per unit distance.
+float extinction(float a) {
+    return -log(max(1.0 - a, 1e-7)) * u_inverse_unit_distance;
+}
+
+// Factor on opacity from the gradient in the world (fractions of the range per world unit).
+float gradient_factor(vec3 gradient) {
+    return mix(1.0, min(length(gradient) * u_inverse_gradient_scale, 1.0), u_gradient_opacity);
+}

@@ -1,0 +1,45 @@
+// The finished picture over VTK's, premultiplied. A smaller picture is enlarged bilinearly, but only between samples
+// that lie on the same side of opaque geometry: the weights fall with the difference of scene depth, so that no halo
+// forms around a mesh.
+
+uniform sampler2D t_picture;
+uniform sampler2D t_scene_depth;
+uniform bool u_has_scene_depth;
+uniform vec2 u_picture_size;
+uniform bool u_enlarge;
+uniform vec2 u_depth_map;   // z_eye = x / (z_window - y) up to sign (perspective), see host
+
+in vec2 v_ndc;
+out vec4 f_color;
+
+float scene_depth(vec2 uv) {
+    float z = textureLod(t_scene_depth, uv, 0.0).r;
+    return u_depth_map.x == 0.0 ? z : u_depth_map.x / (u_depth_map.y - z);
+}
+
+void main() {
+    vec2 uv = v_ndc * 0.5 + 0.5;
+    if (!u_enlarge) {
+        f_color = texelFetch(t_picture, ivec2(uv * u_picture_size), 0);
+        return;
+    }
+    vec2 position = uv * u_picture_size - 0.5;
+    vec2 low = floor(position);
+    vec2 part = position - low;
+    float here = u_has_scene_depth ? scene_depth(uv) : 0.0;
+    vec4 sum = vec4(0.0);
+    float total = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 corner = ivec2(i & 1, i >> 1);
+        vec2 texel = clamp(low + vec2(corner), vec2(0.0), u_picture_size - 1.0);
+        vec2 w2 = mix(1.0 - part, part, vec2(corner));
+        float w = w2.x * w2.y + 1e-5;
+        if (u_has_scene_depth) {
+            float there = scene_depth((texel + 0.5) / u_picture_size);
+            w *= 1.0 / (1e-4 + abs(there - here) / max(abs(here), 1e-6));
+        }
+        sum += w * texelFetch(t_picture, ivec2(texel), 0);
+        total += w;
+    }
+    f_color = sum / total;
+}

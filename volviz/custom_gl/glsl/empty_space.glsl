@@ -1,0 +1,31 @@
+// Jumps over bricks in which nothing is visible. Sample positions are kept: a ray goes on at a later sample of the
+// same sequence, so the picture is that of a march without jumps.
+
+uniform sampler3D t_distance;     // chessboard distance in bricks to the nearest visible brick, / 255
+uniform vec3 u_bricks_per_texture; // bricks per unit of texture coordinate = voxels / brick size
+uniform vec3 u_brick_offset;       // -0.5 / brick size: voxel i has its centre at (i + 0.5) / N
+uniform ivec3 u_last_brick;
+
+struct Brick {
+    float distance;   // 0: something may be visible in it
+    vec3 position;    // of the point, in bricks
+    vec3 corner;      // of the brick that holds it
+};
+
+Brick brick_at(vec3 p) {
+    Brick b;
+    b.position = p * u_bricks_per_texture + u_brick_offset;
+    ivec3 cell = clamp(ivec3(floor(b.position)), ivec3(0), u_last_brick);
+    b.corner = vec3(cell);
+    b.distance = floor(texelFetch(t_distance, cell, 0).r * 255.0 + 0.5);
+    return b;
+}
+
+// World length from a point to where its ray leaves the block of bricks that are at most `reach` bricks away.
+float block_exit(Brick b, vec3 inverse_direction_in_bricks, float reach) {
+    vec3 low = b.corner - reach;
+    vec3 high = b.corner + (1.0 + reach);
+    vec3 ahead = mix(low, high, greaterThan(inverse_direction_in_bricks, vec3(0.0)));
+    vec3 t = (ahead - b.position) * inverse_direction_in_bricks;
+    return max(min(t.x, min(t.y, t.z)), 0.0);
+}

@@ -1,0 +1,7 @@
+// A triangle that covers the target; the scissor box limits it to the tile that is drawn.
+out vec2 v_ndc;
+
+void main() {
+    v_ndc = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    gl_Position = vec4(v_ndc, 0.0, 1.0);
+}

@@ -1,0 +1,27 @@
+// Blinn-Phong lighting (Blinn 1977), two-sided, in world space.
+
+uniform mat4 u_texture_to_world;
+uniform vec3 u_eye;               // world; for parallel projection a point far behind the view
+uniform vec3 u_light_position;    // world
+uniform vec3 u_light_color;
+uniform vec4 u_material;          // ambient, diffuse, specular, shininess
+
+// Colour of a surface with that world normal (any length; zero = unlit) at a point in world space.
+vec3 lit_color(vec3 color, vec3 normal, vec3 world) {
+    float size = length(normal);
+    if (!(size > 1e-12)) return color;
+    vec3 n = normal / size;
+    vec3 v = normalize(u_eye - world);
+    vec3 l = normalize(u_light_position - world);
+    vec3 sum = l + v;
+    float half_length = length(sum);
+    float n_dot_l = abs(dot(n, l));
+    // light exactly behind: no half vector, no highlight
+    float n_dot_h = half_length > 1e-6 ? abs(dot(n, sum / half_length)) : 0.0;
+    vec3 lit = color * (u_material.x + u_material.y * n_dot_l * u_light_color);
+    return lit + u_material.z * pow(n_dot_h, u_material.w) * u_light_color;
+}
+
+vec3 lit_at_texture_point(vec3 color, vec3 normal, vec3 p) {
+    return lit_color(color, normal, (u_texture_to_world * vec4(p, 1.0)).xyz);
+}

@@ -1,0 +1,15 @@
+// The largest scalar along the ray, classified afterwards.
+#define MODE_SKIPS 0
+#define MODE_SEGMENTS 0
+#include "modes/scalar_result.glsl"
+
+float g_extreme;
+
+void mode_begin(float total) { g_extreme = -1.0; }
+
+bool mode_add(float front, float back, vec3 p, float length_of_segment) {
+    g_extreme = max(g_extreme, front);
+    return false;
+}
+
+vec4 mode_end() { return classified_result(g_extreme); }

@@ -1,0 +1,1 @@
+"""A thin layer over moderngl: programs, textures and targets, made lazily, released explicitly."""

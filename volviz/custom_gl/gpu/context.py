@@ -1,0 +1,138 @@
+"""Everything we hold in one OpenGL context: programs, textures, targets, and what the driver can do."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from volviz.custom_gl.gpu.programs import Program, ProgramCache
+from volviz.custom_gl.gpu.targets import TargetPool
+from volviz.custom_gl.shader_source import GLSL
+from volviz.errors import RenderError
+
+_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "swr")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the driver says of itself."""
+
+    vendor: str
+    renderer: str
+    version: str
+    max_3d_texture: int
+    max_texture: int
+    max_point_size: float
+
+    @property
+    def software(self) -> bool:
+        """Whether the picture is computed on the CPU."""
+        return any(word in self.renderer.lower() for word in _SOFTWARE)
+
+
+class Gpu:
+    """Resources of one OpenGL context, made for the context that is current.
+
+    moderngl keeps a process-wide default context; this object keeps the one that belongs to *its* OpenGL context and
+    never asks for the default again.
+    """
+
+    def __init__(self) -> None:
+        try:
+            moderngl.init_context()
+            self.gl: Any = moderngl.get_context()
+        except Exception as error:
+            raise RenderError(f"OpenGL 3.3 is needed to draw, and this system has none that works: {error}.") from None
+        info = self.gl.info
+        self.limits = Limits(
+            vendor=str(info["GL_VENDOR"]),
+            renderer=str(info["GL_RENDERER"]),
+            version=str(info["GL_VERSION"]),
+            max_3d_texture=int(info["GL_MAX_3D_TEXTURE_SIZE"]),
+            max_texture=int(info["GL_MAX_TEXTURE_SIZE"]),
+            max_point_size=float(info["GL_POINT_SIZE_RANGE"][1]),
+        )
+        if self.gl.version_code < 330:
+            raise RenderError(
+                f"OpenGL 3.3 is needed to draw, this system offers {self.limits.version}; update the graphics driver."
+            )
+        self.programs = ProgramCache(self.gl)
+        self.targets = TargetPool(self.gl)
+        self._fullscreen: dict[int, Any] = {}
+        self._blank: Any = None
+        #: Number of uploads to textures and tables since the start; tests read it.
+        self.uploads = 0
+
+    @property
+    def max_texture_bytes(self) -> int:
+        """Largest size of one volume texture in bytes (``VOLVIZ_TEXTURE_MB`` overrides it)."""
+        return int(os.environ.get("VOLVIZ_TEXTURE_MB", "2048")) * 2**20
+
+    @cached_property
+    def filters_bytes_precisely(self) -> bool:
+        """Whether linear filtering between two bytes gives more than the bytes' own 256 steps.
+
+        A strip is drawn from a two-texel texture with the neighbouring values 100 and 110 and compared with exact
+        interpolation.
+        """
+        texture = self.gl.texture3d((2, 1, 1), 1, bytes([100, 110]), alignment=1)
+        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+        target = self.gl.texture((256, 1), 4, dtype="f4")
+        fbo = self.gl.framebuffer([target])
+        program = self.programs.get(GLSL / "fullscreen.vert", GLSL / "filter_probe.frag")
+        try:
+            fbo.use()
+            self.gl.viewport = (0, 0, 256, 1)
+            program.use_texture("t_probe", texture)
+            self.draw_fullscreen(program)
+            strip = np.frombuffer(target.read(), np.float32).reshape(256, 4)[:, 0] * 255
+        finally:
+            for item in (fbo, target, texture):
+                item.release()
+        x = np.clip((np.arange(256) + 0.5) / 256 * 2 - 0.5, 0, 1)
+        # graphics cards interpolate with 8-bit weights: 10/256 of a byte
+        return bool(np.abs(strip - (100 + 10 * x)).max() < 0.1)
+
+    def draw_fullscreen(self, program: Program) -> None:
+        """Draw one triangle over the whole viewport; the vertex shader is ``glsl/fullscreen.vert``."""
+        key = program.gl.glo
+        array = self._fullscreen.get(key)
+        if array is None:
+            array = self._fullscreen[key] = self.gl.vertex_array(program.gl, [])
+        array.render(moderngl.TRIANGLES, vertices=3)
+
+    def blank_texture(self) -> Any:
+        """A 1 x 1 texture for samplers that have nothing to read."""
+        if self._blank is None:
+            self._blank = self.gl.texture((1, 1), 4, b"\0" * 4)
+        return self._blank
+
+    def forget_programs(self) -> None:
+        """Release all programs and what hangs on them, after shader text has changed."""
+        for array in self._fullscreen.values():
+            array.release()
+        self._fullscreen.clear()
+        self.programs.forget()
+
+    def table_texture(self, table: npt.NDArray[np.float32]) -> Any:
+        """A linear, clamped RGBA32F texture from an array of shape (H, W, 4)."""
+        height, width, _ = table.shape
+        texture = self.gl.texture((width, height), 4, np.ascontiguousarray(table, np.float32).tobytes(), dtype="f4")
+        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = False
+        self.uploads += 1
+        return texture
+
+    def release(self) -> None:
+        """Release everything; the context must be current."""
+        self.forget_programs()
+        self.targets.release()
+        if self._blank is not None:
+            self._blank.release()
+            self._blank = None

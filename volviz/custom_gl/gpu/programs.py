@@ -1,0 +1,126 @@
+"""Programs from assembled shader files, with errors that name file and line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from volviz.custom_gl.shader_source import ShaderText, assemble
+from volviz.errors import ShaderError
+
+#: Texture unit of every shared sampler; samplers of different types never meet on one unit.
+UNITS = {
+    "t_scalars": 0,
+    "t_table": 1,
+    "t_scene_depth": 2,
+    "t_distance": 3,
+    "t_preintegrated": 4,
+}
+#: First unit that is free for a technique's own samplers.
+FIRST_FREE_UNIT = 8
+
+
+class Program:
+    """A linked program. Uniforms that the compiler removed are silently absent, unknown types are not."""
+
+    def __init__(self, context: Any, vertex: ShaderText, fragment: ShaderText, label: str) -> None:
+        try:
+            self.gl = context.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
+        except Exception as error:  # moderngl raises its own Error, a plain Exception
+            raise _shader_error(str(error), vertex, fragment, label) from None
+        self.label = label
+        self._members = {name: self.gl[name] for name in self.gl}
+        free = FIRST_FREE_UNIT
+        self.units: dict[str, int] = {}
+        for name in sorted(self._members):
+            if name.startswith("t_"):
+                unit = UNITS.get(name)
+                if unit is None:
+                    unit, free = free, free + 1
+                self._members[name].value = unit
+                self.units[name] = unit
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._members
+
+    def set(self, uniforms: Mapping[str, Any]) -> None:
+        """Set the uniforms that the program has; the others are left out.
+
+        Matrices are given as (4, 4) or (3, 3) arrays in row-major order and transposed here.
+        """
+        members = self._members
+        for name, value in uniforms.items():
+            member = members.get(name)
+            if member is None:
+                continue
+            if isinstance(value, np.ndarray):
+                matrix = value.T if value.ndim == 2 and value.shape[0] == value.shape[1] else value
+                member.write(np.ascontiguousarray(matrix, dtype=np.float32).tobytes())
+            else:
+                member.value = value
+
+    def use_texture(self, name: str, texture: Any) -> None:
+        """Bind a texture to the unit of a sampler, when the program has it."""
+        unit = self.units.get(name)
+        if unit is not None:
+            texture.use(unit)
+
+    def release(self) -> None:
+        """Release the program; the context must be current."""
+        self.gl.release()
+
+
+class ProgramCache:
+    """Programs by shader files, defines and hooks; a program is compiled once per context."""
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+        self._programs: dict[Any, Program] = {}
+        self.overrides: dict[Path, str] = {}
+        self.compiled = 0
+
+    def get(
+        self,
+        vertex: Path,
+        fragment: Path,
+        defines: Mapping[str, object] | None = None,
+        hooks: Mapping[str, str | Path] | None = None,
+    ) -> Program:
+        """The program of these files.
+
+        Raises
+        ------
+        ShaderError
+            A file does not compile, named with its line.
+        """
+        key = (
+            vertex,
+            fragment,
+            tuple(sorted((defines or {}).items())),
+            tuple(sorted((k, str(v)) for k, v in (hooks or {}).items())),
+        )
+        program = self._programs.get(key)
+        if program is None:
+            texts = [assemble(path, defines, hooks, self.overrides) for path in (vertex, fragment)]
+            program = Program(self._context, texts[0], texts[1], fragment.name)
+            self._programs[key] = program
+            self.compiled += 1
+        return program
+
+    def forget(self) -> None:
+        """Release every program, for example after a shader was edited."""
+        for program in self._programs.values():
+            program.release()
+        self._programs.clear()
+
+
+def _shader_error(log: str, vertex: ShaderText, fragment: ShaderText, label: str) -> ShaderError:
+    text = vertex if "vertex_shader" in log else fragment
+    path, line = text.locate(log)
+    reason = next((row for row in log.splitlines() if "error" in row.lower() and ":" in row), log.strip())
+    reason = reason.split("error:", 1)[-1].strip() or "the driver gave no reason"
+    where = f"{path.name}, line {line}" if path is not None else label
+    return ShaderError(f"{where}: {reason}", file=path.name if path else label, line=line, log=log)

@@ -1,0 +1,219 @@
+"""Textures of one volume in one context: scalars, transfer-function table, empty-space fields."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+import numpy as np
+
+from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.scalars import BRICK, Texels, bricks_of, choose_format, texels_of
+from volviz.kernels.bricks import chessboard_distance, occupancy, occupancy_for_isovalues, visible_prefix
+from volviz.model.transfer_function import TransferFunction, table_size
+from volviz.model.volume import Volume
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.gpu.programs import Program
+    from volviz.custom_gl.technique import Frame
+
+#: Bytes uploaded at once, so that the GUI thread is never held up for long.
+SLAB_BYTES = 16 * 2**20
+PREINTEGRATED_SIZE = 512
+PREINTEGRATED_SIZE_INTERACTIVE = 256
+
+
+class VolumeResources:
+    """Textures of a volume, made when first needed and keyed by the identity of what they come from.
+
+    Attributes
+    ----------
+    scalars : moderngl.Texture3D
+        Scalars, red channel, linear filter, clamped.
+    texels : Texels
+        Mapping of texels to fractions of the data range and of voxels to texture coordinates.
+    """
+
+    def __init__(self, gpu: Gpu, volume: Volume) -> None:
+        self.gpu = gpu
+        self.volume = volume
+        self.texels: Texels = texels_of(volume, *texel_limits(gpu, volume))
+        self._uploaded = 0
+        self.scalars = self._empty_scalars()
+        self._tables: dict[str, tuple[Any, Any]] = {}
+        self._distances: dict[str, tuple[Any, Any]] = {}
+        self._gradient_scale: float | None = None
+
+    # ------------------------------------------------------------------ scalars
+
+    def _empty_scalars(self) -> Any:
+        z, y, x = self.texels.data.shape
+        dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[self.texels.format]
+        texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
+        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+        return texture
+
+    @property
+    def complete(self) -> bool:
+        """Whether all scalars are on the GPU."""
+        return self._uploaded >= len(self.texels.data)
+
+    def upload(self, max_bytes: int | None = None) -> bool:
+        """Upload further slabs of scalars, at least one; True when all are there.
+
+        Parameters
+        ----------
+        max_bytes : int, optional
+            Stop after about that many bytes; None uploads everything.
+        """
+        data = self.texels.data
+        plane = data[0].nbytes
+        done = 0
+        while not self.complete and (max_bytes is None or done < max_bytes):
+            count = min(max(SLAB_BYTES // plane, 1), len(data) - self._uploaded)
+            slab = data[self._uploaded : self._uploaded + count]
+            x, y = data.shape[2], data.shape[1]
+            self.scalars.write(slab, viewport=(0, 0, self._uploaded, x, y, count), alignment=1)
+            self._uploaded += count
+            done += slab.nbytes
+            self.gpu.uploads += 1
+        return self.complete
+
+    # ------------------------------------------------------------------ tables
+
+    def table(self, transfer_function: TransferFunction) -> Any:
+        """The baked transfer function as a texture of one row."""
+
+        def make() -> Any:
+            return self.gpu.table_texture(self._baked(transfer_function)[np.newaxis])
+
+        return self._cached(self._tables, "table", transfer_function, make)
+
+    def preintegrated(self, transfer_function: TransferFunction, size: int) -> Any:
+        """Straight mean colour and opacity per unit distance over (front, back), `size` entries each way."""
+        from volviz.kernels.preintegration import preintegration_table
+
+        def make() -> Any:
+            table = preintegration_table(self._baked(transfer_function), 1.0, size)
+            alpha = table[..., 3:]
+            # straight colour interpolates well and lets the shader correct opacity for any segment length
+            straight = np.where(alpha > 0, table[..., :3] / np.maximum(alpha, 1e-20), 0.0)
+            return self.gpu.table_texture(np.concatenate([straight, alpha], axis=-1).astype(np.float32))
+
+        return self._cached(self._tables, "preintegrated", (transfer_function, size), make)
+
+    def _baked(self, transfer_function: TransferFunction) -> Any:
+        return transfer_function.bake(self.volume.range, self.table_entries)
+
+    @property
+    def table_entries(self) -> int:
+        """Entries of the baked table."""
+        return table_size(self.volume.range, self.volume.array.dtype.kind in "iu")
+
+    # ------------------------------------------------------------------ empty space
+
+    def visible_distance(self, transfer_function: TransferFunction, threshold: float) -> Any:
+        """Chessboard distances in bricks to the nearest brick in which the transfer function shows something."""
+
+        def make() -> Any:
+            table = self._baked(transfer_function)
+            opacity = table[:, 3].copy()
+            opacity[: int(np.floor(threshold * (len(opacity) - 1)))] = 0.0
+            bricks = bricks_of(self.volume)
+            return self._distance_texture(
+                occupancy(bricks.low, bricks.high, visible_prefix(opacity), self.volume.range)
+            )
+
+        return self._cached(self._distances, "visible", (transfer_function, threshold), make)
+
+    def isovalue_distance(self, isovalues: Sequence[float]) -> Any:
+        """Chessboard distances in bricks to the nearest brick that a surface of these isovalues (data units) crosses."""
+        key = tuple(float(v) for v in isovalues)
+
+        def make() -> Any:
+            bricks = bricks_of(self.volume)
+            return self._distance_texture(occupancy_for_isovalues(bricks.low, bricks.high, key))
+
+        return self._cached(self._distances, "isovalues", key, make)
+
+    def _distance_texture(self, occupied: Any) -> Any:
+        distance = chessboard_distance(occupied)
+        z, y, x = distance.shape
+        texture = self.gpu.gl.texture3d((x, y, z), 1, distance.tobytes(), alignment=1)
+        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+        self.gpu.uploads += 1
+        return texture
+
+    @property
+    def gradient_scale(self) -> float:
+        """Gradient that counts as largest, in fractions of the data range per world unit."""
+        if self._gradient_scale is None:
+            low, high = self.volume.range
+            bricks = bricks_of(self.volume)
+            # a brick's span over its narrowest spacing bounds no gradient, but scales well with what is seen:
+            # half of the range within two voxels is a sharp edge in any data
+            span = float(np.percentile(bricks.high - bricks.low, 99)) if high > low else 1.0
+            self._gradient_scale = max(span / max(high - low, 1e-30), 1e-6) / (4.0 * min(self.volume.spacing))
+        return self._gradient_scale
+
+    # ------------------------------------------------------------------ binding
+
+    def bind(self, program: Program, frame: Frame) -> None:
+        """Bind every texture that the program asks for."""
+        units = program.units
+        program.use_texture("t_scalars", self.scalars)
+        if "t_table" in units:
+            program.use_texture("t_table", self.table(frame.transfer_function))
+        if "t_scene_depth" in units:
+            depth = frame.scene_depth if frame.scene_depth is not None else self.gpu.blank_texture()
+            depth.use(units["t_scene_depth"])
+        if "t_preintegrated" in units:
+            size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
+            program.use_texture("t_preintegrated", self.preintegrated(frame.transfer_function, size))
+            program.set({"u_preintegrated_map": ((size - 1) / size, 0.5 / size)})
+        if "t_distance" in units:
+            threshold = float(getattr(frame.settings, "density_threshold", 0.0))
+            program.use_texture("t_distance", self.visible_distance(frame.transfer_function, threshold))
+
+    def brick_uniforms(self) -> dict[str, Any]:
+        """Uniforms of ``glsl/empty_space.glsl``."""
+        scale, _ = self.texels.index_to_texture
+        z, y, x = self.volume.array.shape
+        return {
+            "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
+            "u_brick_offset": (-0.5 / BRICK,) * 3,
+            "u_last_brick": tuple((n - 1) // BRICK for n in (x, y, z)),
+        }
+
+    def _cached(self, cache: dict[str, tuple[Any, Any]], slot: str, key: Any, make: Any) -> Any:
+        """The texture in a slot, remade when the key is another object or value."""
+        held = cache.get(slot)
+        if held is not None and (held[0] is key or held[0] == key):
+            return held[1]
+        texture = make()
+        if held is not None:
+            held[1].release()
+        cache[slot] = (key, texture)
+        return texture
+
+    def release(self) -> None:
+        """Release all textures; the context must be current."""
+        self.scalars.release()
+        for cache in (self._tables, self._distances):
+            for _, texture in cache.values():
+                texture.release()
+            cache.clear()
+
+
+def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:
+    """Format and limits with which `texels_of` makes the texels that this GPU takes."""
+    kind = choose_format(
+        volume.array.dtype,
+        volume.array.size,
+        precise_bytes=not gpu.limits.software and gpu.filters_bytes_precisely,
+        software=gpu.limits.software,
+    )
+    return kind, gpu.limits.max_3d_texture, gpu.max_texture_bytes

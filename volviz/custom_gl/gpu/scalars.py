@@ -1,0 +1,188 @@
+"""Scalars of a volume as texels: format, mapping to fractions of the range, reduced levels. NumPy only, no GPU.
+
+Shaders see scalars as fractions 0..1 of the data range. Eight-bit textures are used only where the GPU filters them
+precisely (`volviz.custom_gl.gpu.context.Gpu.filters_bytes_precisely`): software rasterisers filter them to 8 bits,
+which ruins gradients and isosurfaces.
+"""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.kernels.bricks import brick_min_max
+from volviz.kernels.threads import map_ranges
+from volviz.model.volume import Volume
+
+Format = Literal["u1", "u2", "f4"]
+
+BRICK = 8
+
+
+@dataclass(frozen=True)
+class Texels:
+    """What is uploaded for a volume.
+
+    Attributes
+    ----------
+    data : ndarray of shape (Z, Y, X), uint8, uint16 or float32
+        Texels, C-contiguous.
+    scale, offset : float
+        Fraction of the data range = texel (normalised to 0..1 for integers) x scale + offset.
+    factor : tuple of 3 ints
+        Voxels per texel along (x, y, z); above 1 when the volume did not fit.
+    """
+
+    data: npt.NDArray[Any]
+    scale: float
+    offset: float
+    factor: tuple[int, int, int] = (1, 1, 1)
+
+    @property
+    def format(self) -> Format:
+        """Kind of texel."""
+        kinds: dict[str, Format] = {"uint8": "u1", "uint16": "u2", "float32": "f4"}
+        return kinds[self.data.dtype.name]
+
+    @property
+    def index_to_texture(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Scale and offset (x, y, z) from continuous voxel index to texture coordinate."""
+        covered = np.array(self.data.shape[::-1], float) * self.factor
+        return 1.0 / covered, 0.5 / covered
+
+
+@dataclass(frozen=True)
+class Bricks:
+    """Bounds of every brick of a volume, in data units, float32, shape (b_z, b_y, b_x)."""
+
+    low: npt.NDArray[np.float32]
+    high: npt.NDArray[np.float32]
+
+
+_lock = Lock()
+_bricks: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
+_texels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], Texels]] = weakref.WeakKeyDictionary()
+
+
+def bricks_of(volume: Volume) -> Bricks:
+    """Min-max bricks of a volume, made once; call it on a worker first for large data."""
+    with _lock:
+        known = _bricks.get(volume)
+    if known is None:
+        low, high = brick_min_max(volume.array, BRICK, lowest=volume.range[0])
+        known = Bricks(low, high)
+        with _lock:
+            _bricks[volume] = known
+    return known
+
+
+def choose_format(dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool) -> Format:
+    """Texel format for scalars of a type.
+
+    Software rasterisers filter float32 fastest, as long as memory allows it; graphics cards get the smallest format
+    that loses nothing.
+    """
+    if dtype.kind == "f" or dtype.itemsize > 2:
+        return "f4"
+    if software and voxels <= 2**28:
+        return "f4"
+    if dtype == np.uint8 and precise_bytes:
+        return "u1"
+    return "u2"
+
+
+def texels_of(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> Texels:
+    """Texels of a volume, made once per format and limit; call it on a worker first for large data.
+
+    Parameters
+    ----------
+    volume : Volume
+        The data.
+    kind : {"u1", "u2", "f4"}
+        Format from `choose_format`.
+    max_edge : int
+        Largest number of texels along an axis.
+    max_bytes : int
+        Largest number of bytes of all texels; beyond it the volume is reduced by averaging whole blocks.
+    """
+    key = (kind, max_edge, max_bytes)
+    with _lock:
+        known = _texels.setdefault(volume, {}).get(key)
+    if known is None:
+        known = _make_texels(volume, kind, reduction(volume.array.shape, kind, max_edge, max_bytes))
+        with _lock:
+            _texels.setdefault(volume, {})[key] = known
+    return known
+
+
+def reduction(shape: tuple[int, ...], kind: Format, max_edge: int, max_bytes: int) -> tuple[int, int, int]:
+    """Voxels per texel along (x, y, z) that make a volume of shape (Z, Y, X) fit."""
+    size = {"u1": 1, "u2": 2, "f4": 4}[kind]
+    factor = [max(1, -(-n // max_edge)) for n in shape[::-1]]
+    counts = list(shape[::-1])
+    while size * np.prod([-(-n // f) for n, f in zip(counts, factor, strict=True)], dtype=float) > max_bytes:
+        # reduce the axis with most texels left, so that texels stay as cubic as the voxels are
+        axis = int(np.argmax([n / f for n, f in zip(counts, factor, strict=True)]))
+        factor[axis] += 1
+    return factor[0], factor[1], factor[2]
+
+
+def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> Texels:
+    low, high = volume.range
+    span = high - low if high > low else 1.0
+    array = volume.array
+    if factor != (1, 1, 1):
+        array = _block_means(array, factor, low)
+    out = np.empty(array.shape, {"u1": np.uint8, "u2": np.uint16, "f4": np.float32}[kind])
+    if kind == "f4":
+        scale, offset = 1.0, 0.0
+    elif kind == "u1":
+        scale, offset = 255.0 / span, -low / span
+    else:
+        scale, offset = 65535.0 / span, 0.0
+        if array.dtype == np.uint8:
+            # 257 spreads bytes over all of 0..65535 without rounding
+            scale, offset = 255.0 / span, -low / span
+
+    def fill(start: int, stop: int) -> None:
+        for z in range(start, stop):
+            plane = array[z]
+            if kind == "u1":
+                out[z] = plane
+            elif kind == "u2":
+                if array.dtype == np.uint8:
+                    np.multiply(plane, np.uint16(257), out=out[z], dtype=np.uint16, casting="unsafe")
+                elif array.dtype.kind in "iu":
+                    out[z] = (plane.astype(np.int64) - int(low)).astype(np.uint16)
+                else:
+                    out[z] = np.clip(np.rint(plane - low), 0, 65535).astype(np.uint16)
+            else:
+                fraction = np.subtract(plane, low, dtype=np.float64 if plane.dtype.itemsize > 4 else np.float32)
+                fraction *= 1.0 / span
+                if plane.dtype.kind == "f":
+                    fraction[~np.isfinite(plane)] = 0.0
+                out[z] = fraction
+
+    map_ranges(fill, len(out))
+    return Texels(out, scale, offset, factor)
+
+
+def _block_means(array: npt.NDArray[Any], factor: tuple[int, int, int], lowest: float) -> npt.NDArray[np.float32]:
+    """Means over blocks of voxels; a last, partial block is filled by repeating the edge."""
+    fx, fy, fz = factor
+    z, y, x = array.shape
+    shape = (-(-z // fz), -(-y // fy), -(-x // fx))
+    out = np.empty(shape, np.float32)
+    pad = ((0, 0), (0, shape[1] * fy - y), (0, shape[2] * fx - x))
+    for k in range(shape[0]):
+        block = array[np.minimum(np.arange(k * fz, (k + 1) * fz), z - 1)].astype(np.float32)
+        if array.dtype.kind == "f":
+            block[~np.isfinite(block)] = lowest
+        block = np.pad(block, pad, mode="edge")
+        out[k] = block.reshape(fz, shape[1], fy, shape[2], fx).mean(axis=(0, 2, 4))
+    return out

@@ -1,0 +1,120 @@
+"""`add_volume`, and how keywords are shared out between technique, light and clipping."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from volviz.custom_gl.host.handle import VolumeHandle
+from volviz.custom_gl.host.pacing import Pacer
+from volviz.custom_gl.registry import technique as technique_info
+from volviz.custom_gl.settings import SharedSettings
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.errors import InputError
+from volviz.model.clipping import Clipping
+from volviz.model.light import Light
+from volviz.model.parameters import make_settings, parameters_of
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+
+
+def split_values(
+    values: Mapping[str, Any], light: Light, clipping: Clipping
+) -> tuple[Light, Clipping, dict[str, Any]]:
+    """Keywords as light, clipping and the rest, which belongs to the technique.
+
+    A light position without a word on the headlight switches the headlight off: it was meant to be seen.
+    """
+    shared = {p.name: p for p in parameters_of(SharedSettings)}
+    own = {name: value for name, value in values.items() if name not in shared}
+    given = {name: shared[name].checked(value) for name, value in values.items() if name in shared}
+    changes: dict[str, Any] = {}
+    if given.get("light_position") is not None:
+        changes = {"position": given["light_position"], "headlight": False}
+    if "headlight" in given:
+        changes["headlight"] = given["headlight"]
+    if "light_color" in given:
+        changes["color"] = given["light_color"]
+    cuts: dict[str, Any] = {}
+    if "crop" in given:
+        cuts["crop"] = given["crop"]
+    if "clip_planes" in given:
+        cuts["planes"] = given["clip_planes"]
+    return replace(light, **changes), replace(clipping, **cuts), own
+
+
+def technique_settings(info: TechniqueInfo, values: Mapping[str, Any], *, classic: bool = False) -> Any:
+    """Settings of a technique from keywords, over its classic values when `classic`.
+
+    Raises
+    ------
+    SettingError
+        An unknown name or an unusable value.
+    """
+    base = dict(info.classic) if classic else {}
+    return make_settings(info.settings, base | dict(values), owner=info.id)
+
+
+def add_volume(
+    plotter: Any,
+    volume: Volume,
+    technique: str = "raycast",
+    *,
+    transfer_function: TransferFunction | None = None,
+    settings: Any = None,
+    light: Light | None = None,
+    clipping: Clipping | None = None,
+    classic: bool = False,
+    pacer: Pacer | None = None,
+    **values: Any,
+) -> VolumeHandle:
+    """Show a volume in a PyVista plotter, beside meshes, scalar bars and whatever else it holds.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter or pyvistaqt.QtInteractor
+        Where to show it; the volume goes into its active renderer.
+    volume : Volume
+        What to show.
+    technique : str, default: "raycast"
+        Id of a technique (`volviz.techniques`).
+    transfer_function : TransferFunction, optional
+        The default is made from the volume's histogram.
+    settings : object, optional
+        Instance of the technique's settings class, instead of single settings.
+    light, clipping : Light, Clipping, optional
+        Shared values; single ones can be given by name.
+    classic : bool, default: False
+        Start from the values of the well-known teaching programs.
+    pacer : Pacer, optional
+        For windows with an event loop: full pictures come piece by piece. Without one every render is complete.
+    **values
+        Single settings by name, `headlight`, `light_position`, `light_color`, `crop` and `clip_planes` included.
+
+    Returns
+    -------
+    VolumeHandle
+        ``update(...)`` changes what is shown, ``remove()`` takes it away.
+
+    Raises
+    ------
+    VolvizError
+        Unknown technique or setting, unusable value.
+    """
+    info = technique_info(technique)
+    if not isinstance(volume, Volume):
+        raise InputError(f"add_volume shows a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume.")
+    if info.kind != "image":
+        raise InputError(f"{technique} shows VTK's own props; use it through volviz.compare.")
+    new_light, new_clipping, own = split_values(values, light or Light(), clipping or Clipping())
+    new_clipping.crop_within(volume.dimensions)
+    if settings is None:
+        settings = technique_settings(info, own, classic=classic)
+    elif own:
+        raise InputError(f"give either settings or single values ({', '.join(own)}), not both.")
+    if transfer_function is None:
+        transfer_function = TransferFunction.auto(volume)
+    return VolumeHandle(
+        plotter, volume, info, transfer_function, settings, new_light, new_clipping, pacer
+    )

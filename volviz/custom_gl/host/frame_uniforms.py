@@ -1,0 +1,130 @@
+"""Uniforms that every shader shares, from the values of a frame. Pure arithmetic."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.technique import Frame
+
+Matrix = npt.NDArray[np.float64]
+
+MAX_PLANES = 6
+
+
+def texture_to_world(volume: Any, texels: Any) -> Matrix:
+    """4 x 4 matrix from texture coordinates of a volume to the world."""
+    scale, offset = texels.index_to_texture
+    to_index = np.eye(4)
+    to_index[:3, :3] = np.diag(1.0 / scale)
+    to_index[:3, 3] = -offset / scale
+    return np.asarray(volume.index_to_world @ to_index)
+
+
+def shared_uniforms(frame: Frame) -> dict[str, Any]:
+    """Values of the uniforms declared in ``glsl/``, by name; matrices are float64 arrays, row-major."""
+    volume, texels, settings = frame.volume, frame.resources.texels, frame.settings
+    to_world = texture_to_world(volume, texels)
+    to_clip = frame.camera.view_projection @ to_world
+    scale, offset = texels.index_to_texture
+    crop = np.array(frame.crop).reshape(3, 2)
+    entries = frame.resources.table_entries
+
+    def value(name: str, default: float) -> float:
+        return float(getattr(settings, name, default))
+
+    extent = float(np.linalg.norm(volume.extent))
+    uniforms: dict[str, Any] = {
+        "u_clip_to_texture": np.linalg.inv(to_clip),
+        "u_texture_to_clip": to_clip,
+        "u_texture_to_world": to_world,
+        "u_world_to_texture": np.linalg.inv(to_world),
+        "u_view_projection": frame.camera.view_projection,
+        "u_world_metric_x": tuple(to_world[0, :3]),
+        "u_world_metric_y": tuple(to_world[1, :3]),
+        "u_world_metric_z": tuple(to_world[2, :3]),
+        "u_box_low": tuple(crop[:, 0] * scale + offset),
+        "u_box_high": tuple(crop[:, 1] * scale + offset),
+        "u_plane_count": len(frame.planes),
+        "u_planes": _planes(frame, to_world),
+        "u_has_scene_depth": frame.scene_depth is not None,
+        "u_size": tuple(float(n) for n in frame.size),
+        "u_scalar_map": (texels.scale, texels.offset),
+        "u_voxels": tuple(1.0 / scale),
+        "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
+        "u_gradient_delta": value("gradient_delta", 1.0),
+        "u_table_map": ((entries - 1) / entries, 0.5 / entries),
+        "u_density_threshold": value("density_threshold", 0.0),
+        "u_inverse_unit_distance": 1.0 / frame.unit_distance,
+        "u_gradient_opacity": value("gradient_opacity", 0.0),
+        "u_inverse_gradient_scale": 1.0,
+        "u_eye": tuple(_eye(frame, extent)),
+        "u_view_direction": tuple(frame.camera.direction),
+        "u_light_position": tuple(_light(frame, extent)),
+        "u_light_color": frame.light_color,
+        "u_material": (
+            value("ambient", 0.25), value("diffuse", 0.75), value("specular", 0.25), value("shininess", 30.0),
+        ),
+        "u_first_sample": value("first_sample", 0.5),
+        "u_early_termination": value("early_termination", 1.0 - 1.0 / 255.0),
+        "u_jitter": bool(getattr(settings, "jitter", False)),
+        "u_jitter_seed": float(frame.sequence),
+        "u_attenuation": value("attenuation", 1.0) / extent,
+    }  # fmt: skip
+    if hasattr(settings, "step"):
+        uniforms["u_step"] = frame.step_world
+    if value("gradient_opacity", 0.0) > 0:
+        uniforms["u_inverse_gradient_scale"] = 1.0 / frame.resources.gradient_scale
+    uniforms |= frame.resources.brick_uniforms()
+    return uniforms
+
+
+def _eye(frame: Frame, extent: float) -> Matrix:
+    """World position from which surfaces are seen; far behind the view for parallel projection."""
+    if not frame.camera.parallel:
+        return frame.camera.eye
+    return np.asarray(np.array(frame.volume.center) - frame.camera.direction * (1e4 * extent))
+
+
+def _light(frame: Frame, extent: float) -> Matrix:
+    return _eye(frame, extent) if frame.headlight else frame.light_position
+
+
+def _planes(frame: Frame, to_world: Matrix) -> Matrix:
+    """Clip planes in texture coordinates, shape (MAX_PLANES, 4)."""
+    planes = np.zeros((MAX_PLANES, 4))
+    for row, (origin, normal) in enumerate(frame.planes):
+        n = np.asarray(normal)
+        planes[row, :3] = to_world[:3, :3].T @ n
+        planes[row, 3] = n @ (to_world[:3, 3] - np.asarray(origin))
+    return planes
+
+
+def box_tiles(
+    corners: Matrix, view_projection: Matrix, size: tuple[int, int], tile: tuple[int, int]
+) -> tuple[tuple[int, int, int, int], ...]:
+    """Tiles (x, y, width, height) of the target that the box may touch, row by row from the bottom.
+
+    A box that reaches behind the eye touches all of them.
+    """
+    clip = np.c_[corners, np.ones(len(corners))] @ view_projection.T
+    width, height = size
+    x0, y0, x1, y1 = 0, 0, width, height
+    if np.all(clip[:, 3] > 1e-9):
+        ndc = clip[:, :2] / clip[:, 3:]
+        low = np.floor((ndc.min(axis=0) * 0.5 + 0.5) * size) - 1
+        high = np.ceil((ndc.max(axis=0) * 0.5 + 0.5) * size) + 1
+        x0, y0 = (int(max(v, 0)) for v in low)
+        x1, y1 = (int(min(v, n)) for v, n in zip(high, size, strict=True))
+    tiles = []
+    # aligned to the tiles of software rasterisers, which draw 64 x 64 pixels at a time
+    for y in range(y0 - y0 % 64, y1, tile[1]):
+        for x in range(x0 - x0 % 64, x1, tile[0]):
+            left, bottom = max(x, x0), max(y, y0)
+            right, top = min(x + tile[0], x1), min(y + tile[1], y1)
+            if right > left and top > bottom:
+                tiles.append((left, bottom, right - left, top - bottom))
+    return tuple(tiles)

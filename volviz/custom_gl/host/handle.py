@@ -1,0 +1,548 @@
+"""A volume in a renderer: takes values, draws them when VTK draws, keeps the finished picture."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from volviz.custom_gl.gpu.resources import VolumeResources
+from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.host.frame_uniforms import box_tiles, shared_uniforms
+from volviz.custom_gl.host.hook import Hook
+from volviz.custom_gl.host.pacing import CostModel, FrameStatus, Pacer, Quality, StatusListener
+from volviz.custom_gl.host.picture import composite
+from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
+from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
+from volviz.custom_gl.registry import technique as technique_info
+from volviz.custom_gl.technique import Frame, FrameCamera, ImageTechnique, TechniqueInfo
+from volviz.errors import InputError, RenderError
+from volviz.model.clipping import Clipping
+from volviz.model.light import Light, default_position
+from volviz.model.parameters import make_settings
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+
+#: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that all of
+#: its threads have work, and short enough to be interrupted.
+TILE = (256, 64)
+#: A full picture that is expected to take less than this is drawn at once instead of refined.
+AT_ONCE_SECONDS = 0.045
+
+# actors that carry our pictures, by id: they are no scenery
+_HOOK_ACTORS: set[int] = set()
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """A finished picture and what it shows."""
+
+    key: Any
+    target: Target
+    fraction: float
+
+
+@dataclass
+class _Refinement:
+    """A full picture in the making."""
+
+    key: Any
+    frame: Frame
+    chunks: int
+    done: int = 0
+    seconds: float = 0.0
+
+
+class VolumeHandle:
+    """A volume shown in a renderer by one of the image techniques; made by `volviz.add_volume`.
+
+    Attributes
+    ----------
+    error : Exception or None
+        What went wrong in the last drawing; the last good picture is kept.
+    status : FrameStatus
+        What the viewport shows now.
+    on_status : list of callables
+        Called with the new status, on the thread that draws.
+    quality : {"fast", "balanced", "full"}
+        How far resolution may drop while something moves.
+    """
+
+    def __init__(
+        self,
+        plotter: Any,
+        volume: Volume,
+        info: TechniqueInfo,
+        transfer_function: TransferFunction,
+        settings: Any,
+        light: Light,
+        clipping: Clipping,
+        pacer: Pacer | None,
+        renderer: Any = None,
+    ) -> None:
+        self.plotter = plotter
+        self.renderer = renderer if renderer is not None else plotter.renderer
+        self.window = plotter.render_window
+        self.error: Exception | None = None
+        self.status = FrameStatus()
+        self.on_status: list[StatusListener] = []
+        self.quality: Quality = "balanced"
+        self.pacer = pacer
+        self._volume = volume
+        self._info = info
+        self._transfer_function = transfer_function.resolved(volume.range)
+        self._settings = settings
+        self._light = light
+        self._clipping = clipping
+        self._revision = 0
+        self._technique: ImageTechnique | None = None
+        self._retired: list[ImageTechnique] = []
+        self._resources: VolumeResources | None = None
+        self._picture: _Picture | None = None
+        self._refinement: _Refinement | None = None
+        self._interacting = 0
+        self._cost = CostModel()
+        self._depth = SceneDepth()
+        self._depth_key: Any = None
+        self._removed = False
+        self._gpu: WindowGpu = acquire(self.window)
+        self._hook = Hook(self.renderer, self._on_hook)
+        _HOOK_ACTORS.add(id(self._hook.actor))
+        _HANDLES.append(self)
+        self._place()
+
+    # ------------------------------------------------------------------ values
+
+    @property
+    def volume(self) -> Volume:
+        """The data shown."""
+        return self._volume
+
+    @property
+    def technique(self) -> TechniqueInfo:
+        """The technique that draws."""
+        return self._info
+
+    @property
+    def settings(self) -> Any:
+        """Settings of the technique."""
+        return self._settings
+
+    @property
+    def transfer_function(self) -> TransferFunction:
+        """The transfer function, in data units."""
+        return self._transfer_function
+
+    def update(
+        self,
+        *,
+        volume: Volume | None = None,
+        technique: str | None = None,
+        transfer_function: TransferFunction | None = None,
+        settings: Any = None,
+        light: Light | None = None,
+        clipping: Clipping | None = None,
+        quality: Quality | None = None,
+        **values: Any,
+    ) -> None:
+        """Change what is shown; the next `render` of the plotter draws it.
+
+        Parameters
+        ----------
+        settings : object, optional
+            Instance of the technique's settings class.
+        **values
+            Single settings by name, light and clipping included, as in `volviz.render`.
+
+        Raises
+        ------
+        VolvizError
+            A value does not fit; nothing is changed then.
+        """
+        from volviz.custom_gl.host.adding import split_values
+
+        info = self._info if technique is None else technique_info(technique)
+        if info.kind != "image":
+            raise InputError(f"{info.id} shows props of VTK; it needs a handle of its own.")
+        new_light, new_clipping = light or self._light, clipping or self._clipping
+        if values:
+            new_light, new_clipping, own = split_values(values, new_light, new_clipping)
+        else:
+            own = {}
+        if settings is None:
+            if info.id == self._info.id:
+                merged = {p.name: getattr(self._settings, p.name) for p in info.parameters} | own
+                settings = make_settings(info.settings, merged, owner=info.id) if own else self._settings
+            else:
+                settings = make_settings(info.settings, own, owner=info.id)
+        new_volume = volume or self._volume
+        new_clipping.crop_within(new_volume.dimensions)
+
+        if info.id != self._info.id or new_volume is not self._volume:
+            self._cost.forget()
+        if info.id != self._info.id:
+            self._retire_technique()
+            self._info = info
+        if new_volume is not self._volume:
+            self._volume = new_volume
+        if transfer_function is not None:
+            self._transfer_function = transfer_function
+        self._transfer_function = self._transfer_function.resolved(new_volume.range)
+        self._settings, self._light, self._clipping = settings, new_light, new_clipping
+        if quality is not None:
+            self.quality = quality
+        self._revision += 1
+        self.error = None
+        self._place()
+
+    def _retire_technique(self) -> None:
+        """The technique's GPU objects are released with the next drawing, when the context is current."""
+        if self._technique is not None:
+            self._retired.append(self._technique)
+            self._technique = None
+
+    def _place(self) -> None:
+        crop = self._clipping.crop_within(self._volume.dimensions)
+        index = np.array([[crop[c & 1], crop[2 + (c >> 1 & 1)], crop[4 + (c >> 2 & 1)]] for c in range(8)])
+        matrix = self._volume.index_to_world
+        self._hook.set_corners(index @ matrix[:3, :3].T + matrix[:3, 3])
+
+    @property
+    def light_position(self) -> tuple[float, float, float]:
+        """World position of the placed light (also while the headlight is on)."""
+        return self._light.position or default_position(self._volume.bounds)
+
+    # ------------------------------------------------------------------ gestures
+
+    def begin_interaction(self) -> None:
+        """A gesture begins: pictures are drawn at a resolution that keeps up with it."""
+        self._interacting += 1
+        self._refinement = None
+
+    def end_interaction(self) -> None:
+        """The gesture is over: the full picture follows."""
+        self._interacting = max(self._interacting - 1, 0)
+        if self._interacting == 0 and not self.status.complete and self.pacer is not None:
+            self.pacer.request(self)
+
+    def refine(self, budget: float = 0.03) -> bool:
+        """Draw further chunks of the full picture for about `budget` seconds.
+
+        Returns
+        -------
+        bool
+            True when the full picture is ready (render the plotter once to see it) or when there is nothing to do.
+        """
+        if self._removed or self._interacting or self.error is not None:
+            return True
+        self.window.MakeCurrent()
+        try:
+            with self._gpu.foreign():
+                return self._refine(budget)
+        except Exception as error:
+            self._fail(error)
+            return True
+
+    def _refine(self, budget: float) -> bool:
+        resources = self._ready_resources()
+        begin = time.perf_counter()
+        while not resources.complete:
+            resources.upload(1)
+            self._gpu.gpu.gl.finish()
+            if time.perf_counter() - begin > budget:
+                return False
+        key = self._key()
+        if self._picture is not None and self._picture.key == key and self._picture.fraction == 1.0:
+            return True
+        if self._refinement is None or self._refinement.key != key:
+            frame = self._frame(1.0, "full")
+            frame.target.clear()
+            self._refinement = _Refinement(key, frame, self._plan(frame))
+        work = self._refinement
+        while work.done < work.chunks:
+            chunk_begin = time.perf_counter()
+            self._draw_chunk(work.frame, work.done)
+            self._gpu.gpu.gl.finish()
+            work.done += 1
+            now = time.perf_counter()
+            work.seconds += now - chunk_begin
+            if now - begin > budget:
+                break
+        if work.done < work.chunks:
+            shown = self._picture.fraction if self._picture else 0.0
+            self._report(FrameStatus(shown, work.seconds, False, work.done / work.chunks))
+            return False
+        self._picture = _Picture(key, work.frame.target, 1.0)
+        self._cost.observe(1.0, work.seconds)
+        self._refinement = None
+        self._report(FrameStatus(1.0, work.seconds, True, 1.0))
+        return True
+
+    # ------------------------------------------------------------------ drawing
+
+    def _on_hook(self) -> None:
+        if self._removed:
+            return
+        try:
+            with self._gpu.foreign() as gpu:
+                framebuffer = gpu.gl.detect_framebuffer()
+                self._capture_depth(gpu)
+                try:
+                    if self.error is None:
+                        self._draw_what_is_due()
+                except Exception as error:
+                    self._fail(error)
+                self._show(framebuffer)
+                framebuffer.release()
+        except Exception as error:
+            self._fail(error)
+
+    def _draw_what_is_due(self) -> None:
+        """Make sure that there is a picture of the present state, at the resolution that time allows."""
+        resources = self._ready_resources()
+        if self.pacer is None:
+            resources.upload()
+        elif not resources.complete:
+            self._picture = None
+            self.pacer.request(self)
+            return
+        key = self._key()
+        if self._picture is not None and self._picture.key == key:
+            if self._picture.fraction < 1.0 and self.pacer is not None and not self._interacting:
+                self.pacer.request(self)
+            return
+        if self.pacer is None:
+            self._draw_at(1.0, key)
+            return
+        self._refinement = None
+        fraction = self._cost.fraction(self.quality)
+        expected = self._cost.full_seconds
+        if not self._interacting and expected is not None and expected <= AT_ONCE_SECONDS:
+            fraction = 1.0
+        self._draw_at(fraction, key)
+        if fraction < 1.0 and not self._interacting:
+            self.pacer.request(self)
+
+    def _draw_at(self, fraction: float, key: Any) -> None:
+        begin = time.perf_counter()
+        frame = self._frame(fraction, "full" if fraction == 1.0 else "interactive")
+        frame.target.clear()
+        for chunk in range(self._plan(frame)):
+            self._draw_chunk(frame, chunk)
+        if self.pacer is not None:
+            # without waiting, only the submission of the work would be timed
+            self._gpu.gpu.gl.finish()
+        seconds = time.perf_counter() - begin
+        self._cost.observe(fraction, seconds)
+        self._picture = _Picture(key, frame.target, fraction)
+        self._report(FrameStatus(fraction, seconds, fraction == 1.0, 1.0))
+
+    def _plan(self, frame: Frame) -> int:
+        self._clean(frame)
+        return self._current_technique().plan(frame)
+
+    def _draw_chunk(self, frame: Frame, chunk: int) -> None:
+        self._clean(frame)
+        self._current_technique().draw(frame, chunk)
+        frame.gpu.gl.scissor = None
+
+    def _clean(self, frame: Frame) -> None:
+        """Default state, the frame's target bound: what every call of a technique may rely on."""
+        gl = frame.gpu.gl
+        gl.enable_only(gl.NOTHING)
+        frame.target.fbo.use()
+        frame.target.fbo.depth_mask = True
+        gl.viewport = (0, 0, *frame.size)
+        gl.scissor = None
+
+    def _show(self, framebuffer: Any) -> None:
+        if self._picture is None:
+            return
+        width, height, x, y = self._viewport()
+        composite(
+            self._gpu.gpu,
+            self._picture.target,
+            framebuffer,
+            (x, y, width, height),
+            self._depth.texture if self._depth_key else None,
+            self._depth_map(),
+            writes_depth=getattr(self._technique, "writes_depth", False),
+        )
+
+    def _current_technique(self) -> ImageTechnique:
+        for technique in self._retired:
+            technique.release()
+        self._retired.clear()
+        if self._technique is None:
+            self._technique = self._info.create()
+        return self._technique
+
+    def _ready_resources(self) -> VolumeResources:
+        if self._resources is not None and self._resources.volume is not self._volume:
+            self._gpu.drop(self._resources)
+            self._resources = None
+        if self._resources is None:
+            self._resources = self._gpu.resources(self._volume)
+        return self._resources
+
+    # ------------------------------------------------------------------ the frame
+
+    def _viewport(self) -> tuple[int, int, int, int]:
+        """Width, height and origin x, y of the renderer in the framebuffer; right for tiled export as well."""
+        # GetTiledSizeAndOrigin cannot be called from Python: the same arithmetic here
+        viewport, tile = self.renderer.GetViewport(), self.window.GetTileViewport()
+        size = self.window.GetSize()
+        low = [int((max(viewport[i], tile[i]) - tile[i]) * size[i] + 0.5) for i in (0, 1)]
+        high = [int((min(viewport[i + 2], tile[i + 2]) - tile[i]) * size[i] + 0.5) for i in (0, 1)]
+        return max(high[0] - low[0], 1), max(high[1] - low[1], 1), low[0], low[1]
+
+    def _camera(self) -> FrameCamera:
+        camera = self.renderer.GetActiveCamera()
+        view = np.array([camera.GetModelViewTransformMatrix().GetElement(i, j) for i in range(4) for j in range(4)])
+        matrix = camera.GetProjectionTransformMatrix(self.renderer.GetTiledAspectRatio(), -1, 1)
+        projection = np.array([matrix.GetElement(i, j) for i in range(4) for j in range(4)])
+        return FrameCamera(
+            view.reshape(4, 4),
+            projection.reshape(4, 4),
+            np.array(camera.GetPosition()),
+            np.array(camera.GetDirectionOfProjection()),
+            bool(camera.GetParallelProjection()),
+        )
+
+    def _key(self) -> Any:
+        camera = self._camera()
+        return (
+            self._revision,
+            self._viewport()[:2],
+            camera.view.tobytes(),
+            camera.projection.tobytes(),
+            self._depth_key,
+        )
+
+    def _capture_depth(self, gpu: Any) -> None:
+        """Copy the depth of opaque geometry unless the copy at hand still shows it."""
+        revision = opaque_revision(self.renderer, _HOOK_ACTORS)
+        if not revision:
+            self._depth_key = None
+            return
+        camera = self._camera()
+        viewport = self._viewport()
+        key = (revision, viewport, camera.view.tobytes(), camera.projection.tobytes())
+        if key != self._depth_key:
+            self._depth.capture(gpu, self.window, (viewport[2], viewport[3]), (viewport[0], viewport[1]))
+            self._depth_key = key
+
+    def _depth_map(self) -> tuple[float, float]:
+        """(a, b) with eye depth = a / (b - window depth), (0, 0) for parallel projection."""
+        camera = self.renderer.GetActiveCamera()
+        if camera.GetParallelProjection():
+            return 0.0, 0.0
+        near, far = camera.GetClippingRange()
+        return near * far / (far - near), far / (far - near)
+
+    def _frame(self, fraction: float, purpose: str) -> Frame:
+        width, height, _, _ = self._viewport()
+        size = (max(round(width * fraction), 1), max(round(height * fraction), 1))
+        gpu = self._gpu.gpu
+        frame = Frame(
+            gpu=gpu,
+            target=gpu.targets.get(f"{purpose} {id(self)}", size),
+            size=size,
+            window_size=(width, height),
+            volume=self._volume,
+            resources=self._ready_resources(),
+            transfer_function=self._transfer_function,
+            settings=self._settings,
+            camera=self._camera(),
+            light_position=np.array(self.light_position),
+            light_color=self._light.color,
+            headlight=self._light.headlight,
+            crop=self._clipping.crop_within(self._volume.dimensions),
+            planes=self._clipping.planes,
+            scene_depth=self._depth.texture if self._depth_key else None,
+            step_scale=1.0,
+            sequence=0,
+            interactive=fraction < 1.0,
+            tiles=(),
+            uniforms={},
+        )
+        frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, size, TILE)
+        frame.uniforms = shared_uniforms(frame)
+        return frame
+
+    # ------------------------------------------------------------------ status and end
+
+    def _fail(self, error: Exception) -> None:
+        """Keep the error for whoever asked for the picture: VTK would print and swallow it."""
+        self.error = error
+        self._refinement = None
+        self._report(FrameStatus(self.status.resolution, 0.0, True, 1.0))
+
+    def _report(self, status: FrameStatus) -> None:
+        self.status = status
+        for listener in list(self.on_status):
+            listener(status)
+
+    def read_picture(self) -> Any:
+        """The finished full picture without VTK's: shape (H, W, 4), float32, premultiplied, row 0 at the top.
+
+        Raises
+        ------
+        RenderError
+            There is no full picture of the present state.
+        """
+        if self._picture is None or self._picture.fraction < 1.0:
+            raise RenderError(
+                "there is no full picture to read: render the plotter first, and let no other render pass (ambient "
+                "occlusion, shadows, SSAA) take the place of the volume's."
+            )
+        self.window.MakeCurrent()
+        with self._gpu.foreign():
+            width, height = self._picture.target.size
+            data = self._picture.target.color.read()
+        return np.frombuffer(data, np.float32).reshape(height, width, 4)[::-1].copy()
+
+    def raise_error(self) -> None:
+        """Raise what went wrong in the last drawing, if anything did."""
+        if self.error is not None:
+            raise self.error
+
+    def remove(self) -> None:
+        """Take the volume out of the renderer and release its GPU objects; a second call does nothing."""
+        if self._removed:
+            return
+        self._removed = True
+        _HOOK_ACTORS.discard(id(self._hook.actor))
+        _HANDLES.remove(self)
+        last = not any(other.renderer is self.renderer for other in _HANDLES)
+        alive = self._gpu.started and bool(self.window.GetInitialized() if hasattr(self.window, "GetInitialized") else 1)
+        if alive and self.plotter.render_window is not None:
+            self.window.MakeCurrent()
+            self._release()
+        self._hook.remove(last=last)
+        give_back(self._gpu, context_alive=alive)
+        self.on_status.clear()
+        self._picture = self._refinement = None
+
+    def _release(self) -> None:
+        self._retire_technique()
+        for technique in self._retired:
+            technique.release()
+        self._retired.clear()
+        if self._resources is not None:
+            self._gpu.drop(self._resources)
+            self._resources = None
+        for purpose in ("full", "interactive"):
+            self._gpu.gpu.targets.drop(f"{purpose} {id(self)}")
+        self._depth.release(self.window)
+
+
+_HANDLES: list[VolumeHandle] = []
+
+
+def handles_of(renderer: Any) -> Sequence[VolumeHandle]:
+    """Volumes that are shown in a renderer."""
+    return [handle for handle in _HANDLES if handle.renderer is renderer]

@@ -1,0 +1,81 @@
+"""Puts a finished picture over what VTK has drawn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+
+from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.shader_source import GLSL
+
+_PREMULTIPLIED = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+
+
+def composite(
+    gpu: Gpu,
+    target: Target,
+    framebuffer: Any,
+    viewport: tuple[int, int, int, int],
+    scene_depth: Any,
+    depth_map: tuple[float, float],
+    *,
+    writes_depth: bool,
+) -> None:
+    """Blend a premultiplied picture into a framebuffer, enlarging it when it is smaller than the viewport.
+
+    Parameters
+    ----------
+    gpu : Gpu
+        Resources of the current context.
+    target : Target
+        The picture.
+    framebuffer : moderngl.Framebuffer
+        VTK's.
+    viewport : tuple of 4 ints
+        x, y, width, height in it.
+    scene_depth : moderngl.Texture or None
+        Resolved depth of opaque geometry, for edges of enlarged pictures.
+    depth_map : tuple of 2 floats
+        Makes eye depth of window depth: z = a / (b - depth); a = 0 leaves it (parallel projection).
+    writes_depth : bool
+        Write the picture's own depth where it has any.
+    """
+    gl = gpu.gl
+    program = gpu.programs.get(GLSL / "fullscreen.vert", GLSL / "composite.frag")
+    program.set(
+        {
+            "u_has_scene_depth": scene_depth is not None,
+            "u_picture_size": tuple(float(n) for n in target.size),
+            "u_enlarge": target.size != viewport[2:],
+            "u_depth_map": depth_map,
+        }
+    )
+    framebuffer.use()
+    gl.viewport = viewport
+    gl.scissor = viewport
+    program.use_texture("t_picture", target.color)
+    program.use_texture("t_scene_depth", scene_depth if scene_depth is not None else gpu.blank_texture())
+    gl.enable_only(moderngl.BLEND)
+    gl.blend_func = _PREMULTIPLIED
+    gl.blend_equation = moderngl.FUNC_ADD
+    framebuffer.depth_mask = False
+    gpu.draw_fullscreen(program)
+    if writes_depth and target.depth is not None:
+        _write_depth(gpu, target, framebuffer)
+    gl.enable_only(moderngl.NOTHING)
+    gl.scissor = None
+
+
+def _write_depth(gpu: Gpu, target: Target, framebuffer: Any) -> None:
+    gl = gpu.gl
+    program = gpu.programs.get(GLSL / "fullscreen.vert", GLSL / "depth_out.frag")
+    program.use_texture("t_picture_depth", target.depth)
+    gl.enable_only(moderngl.DEPTH_TEST)
+    gl.depth_func = "<="
+    framebuffer.depth_mask = True
+    framebuffer.color_mask = (False, False, False, False)
+    gpu.draw_fullscreen(program)
+    framebuffer.color_mask = (True, True, True, True)
+    framebuffer.depth_mask = False

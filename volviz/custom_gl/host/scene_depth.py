@@ -1,0 +1,78 @@
+"""Resolved depth of the opaque geometry that VTK has drawn, as a texture that shaders can read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.host import vtk_border as vtk
+
+_GL_DEPTH_BUFFER_BIT = 0x0100
+_GL_NEAREST = 0x2600
+_VTK_UNSIGNED_CHAR = 3
+
+
+class SceneDepth:
+    """Copies the depth of a part of VTK's (possibly multisampled) framebuffer."""
+
+    def __init__(self) -> None:
+        self._fbo: Any = None
+        self._size = (0, 0)
+        self.texture: Any = None
+
+    def capture(self, gpu: Gpu, window: Any, origin: tuple[int, int], size: tuple[int, int]) -> Any:
+        """Copy the depth of a rectangle of the window; the result is a texture of that size, filter nearest."""
+        width, height = size
+        if self._fbo is None or self._size != size:
+            self.release(window)
+            self._fbo = vtk.vtkOpenGLFramebufferObject()
+            self._fbo.SetContext(window)
+            state = window.GetState()
+            state.PushFramebufferBindings()
+            # the depth formats of both sides must be equal, or the blit is an invalid operation
+            self._fbo.PopulateFramebuffer(
+                width, height, True, 1, _VTK_UNSIGNED_CHAR, True,
+                window.GetRenderBufferTargetDepthSize(), 0, bool(window.GetStencilCapable()),
+            )  # fmt: skip
+            state.PopFramebufferBindings()
+            self._size = size
+            handle = self._fbo.GetDepthAttachmentAsTextureObject().GetHandle()
+            self.texture = gpu.gl.external_texture(handle, size, 1, 0, "f4")
+            self.texture.filter = (gpu.gl.NEAREST, gpu.gl.NEAREST)
+        state = window.GetState()
+        state.PushFramebufferBindings()
+        window.GetRenderFramebuffer().Bind(0x8CA8)
+        self._fbo.Bind(0x8CA9)
+        x, y = origin
+        vtk.vtkOpenGLFramebufferObject.Blit(
+            (x, x + width, y, y + height), (0, width, 0, height), _GL_DEPTH_BUFFER_BIT, _GL_NEAREST
+        )
+        state.PopFramebufferBindings()
+        return self.texture
+
+    def release(self, window: Any) -> None:
+        """Release the copy."""
+        if self._fbo is not None:
+            self._fbo.ReleaseGraphicsResources(window)
+            self._fbo = None
+            self.texture = None
+
+
+def opaque_revision(renderer: Any, hooks: set[int]) -> tuple[Any, ...]:
+    """What changes whenever the opaque geometry of a renderer may look different; empty when there is none.
+
+    Parameters
+    ----------
+    renderer : vtkRenderer
+        The renderer.
+    hooks : set of int
+        ``id`` of the actors that are not scenery.
+    """
+    revision = []
+    for prop in renderer.GetViewProps():
+        if id(prop) in hooks or not prop.GetVisibility() or not prop.HasOpaqueGeometry():
+            continue
+        if prop.IsA("vtkActor2D"):
+            continue
+        revision.append((prop.GetAddressAsString("vtkProp"), prop.GetRedrawMTime()))
+    return tuple(revision)
