@@ -203,7 +203,7 @@ def install_python_packages(extras: list[str] | None) -> None:
 def one_at_a_time() -> Iterator[None]:
     """Let a second set-up of the same checkout wait for the first."""
     try:
-        import fcntl  # noqa: PLC0415, not on Windows
+        import fcntl
     except ImportError:
         yield
         return
