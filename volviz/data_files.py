@@ -28,7 +28,8 @@ def data_folder() -> Path:
         if folder.is_dir():
             return folder
     raise LoadError(
-        f"the bundled data of VolViz are missing beside {package}; install it again or set {OVERRIDE} to their folder."
+        f"the bundled data of VolViz are missing beside {package}; install it again or set {OVERRIDE} "
+        "to their folder."
     )
 
 
@@ -47,5 +48,7 @@ def data_file(*parts: str) -> Path:
     """
     path = data_folder().joinpath(*parts)
     if not path.exists():
-        raise LoadError(f"the bundled file {'/'.join(parts)} is missing in {data_folder()}; install VolViz again.")
+        raise LoadError(
+            f"the bundled file {'/'.join(parts)} is missing in {data_folder()}; install VolViz again."
+        )
     return path

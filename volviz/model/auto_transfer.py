@@ -1,9 +1,10 @@
 """The first transfer function of a data set nobody has seen: neither an empty picture nor a solid block.
 
-Three steps. *What is background*: the commonest value on the surface of the box and how far it scatters. *What is
-worth seeing*: thresholds that split the rest into classes (Otsu 1979, on the histogram weighted by gradient
-magnitude, so that the borders of materials count). *How dense*: the opacities are scaled in extinction until
-axis-parallel views of the box have the mean alpha aimed at; this loop holds whatever the first two steps found.
+Three steps. *What is background*: the commonest value on the surface of the box and how far it scatters.
+*What is worth seeing*: thresholds that split the rest into classes (Otsu 1979, on the histogram weighted by
+gradient magnitude, so that the borders of materials count). *How dense*: the opacities are scaled in
+extinction until foreseen pictures of the box have the mean alpha aimed at; this loop holds whatever the first
+two steps found.
 """
 
 from __future__ import annotations
@@ -12,23 +13,25 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from volviz.model.first_look import FirstLook, Floats
 from volviz.model.transfer_function import Color, ControlPoint, TransferFunction
 
 if TYPE_CHECKING:
     from volviz.model.volume import Volume
 
-Floats = npt.NDArray[np.float64]
-
-#: Largest number of voxels along an axis that is looked at.
-LOOK = 88
-#: Mean alpha that is aimed at where something is visible, and the limits of the mean over the whole box.
-TARGET_COVERED, TARGET_LOW, TARGET_HIGH = 0.62, 0.14, 0.62
-#: Share of rays that must meet something for a threshold to be kept.
-LEAST_COVERAGE = 0.16
+#: Mean alpha aimed at over the rays that meet something, and the limits of the mean over all rays of the box.
+TARGET_COVERED, TARGET_LOW, TARGET_HIGH = 0.6, 0.2, 0.6
+#: Mean alpha of the veil over the box of data with next to nothing in them.
+VEIL = 0.12
+#: Share of rays that must meet something, or the threshold is lowered.
+LEAST_COVERAGE = 0.04
 #: Distinct values up to which whole numbers are taken for labels.
 MOST_LABELS = 64
+#: Largest opacity of a control point.
+MOST_OPAQUE = 0.95
+#: Largest opacity of the faintest control point that shows anything.
+MOST_OPAQUE_STEP = 0.5
 
 #: Dark to light, cool to warm, lightness rising all the way.
 RAMP: tuple[Color, ...] = (
@@ -39,22 +42,23 @@ RAMP: tuple[Color, ...] = (
     (0.96, 0.86, 0.68),
     (1.00, 0.98, 0.92),
 )
-#: Colours of CT from fat over muscle to bone.
-CT_COLORS: tuple[tuple[float, Color], ...] = (
-    (-1000.0, (0.32, 0.14, 0.10)),
-    (-500.0, (0.55, 0.36, 0.33)),
-    (-100.0, (0.80, 0.62, 0.42)),
-    (40.0, (0.72, 0.34, 0.25)),
-    (180.0, (0.86, 0.62, 0.46)),
-    (400.0, (0.95, 0.87, 0.72)),
-    (1500.0, (1.00, 0.99, 0.95)),
+#: Value in HU, colour and relative opacity: skin and lung as a veil, muscle, then bone.
+CT_POINTS: tuple[tuple[float, Color, float], ...] = (
+    (-1000.0, (0.32, 0.14, 0.10), 0.0),
+    (-500.0, (0.55, 0.36, 0.33), 0.0),
+    (-250.0, (0.70, 0.50, 0.40), 0.0),
+    (-100.0, (0.80, 0.62, 0.42), 0.01),
+    (40.0, (0.72, 0.34, 0.25), 0.05),
+    (180.0, (0.86, 0.62, 0.46), 0.1),
+    (400.0, (0.95, 0.87, 0.72), 0.35),
+    (1500.0, (1.00, 0.99, 0.95), 0.7),
 )
 #: Hues far apart, of similar lightness, for labels.
 LABEL_COLORS: tuple[Color, ...] = (
-    (0.91, 0.49, 0.36),
+    (0.93, 0.80, 0.60),
     (0.36, 0.62, 0.84),
+    (0.91, 0.49, 0.36),
     (0.55, 0.76, 0.41),
-    (0.93, 0.76, 0.36),
     (0.70, 0.52, 0.80),
     (0.35, 0.74, 0.70),
     (0.90, 0.56, 0.70),
@@ -73,162 +77,82 @@ def auto_transfer_function(volume: Volume) -> TransferFunction:
     Returns
     -------
     TransferFunction
-        In data units, named "auto", with few enough points to edit by hand.
+        In data units, named "auto", with few enough points to edit by hand (labels: two a label).
     """
-    look = _Look.at(volume)
+    look = FirstLook.at(volume)
     if look is None:
-        value = volume.range[0]
-        return _calibrated_constant(value, max(volume.dimensions))
+        return _of_constant(volume.range[0], min(volume.dimensions))
     labels = _labels(look)
     if labels is not None:
-        return _calibrated(_label_function(labels, look), look)
-    levels = _levels(look)
-    is_ct = _is_hu(volume)
-    return _calibrated(_ct_function(levels) if is_ct else _ramp_function(levels, look), look)
+        return _calibrated(_of_labels(labels, look), look)
+    offset = _offset_of_hu(volume)
+    if offset is not None:
+        return _calibrated(_of_ct(look, offset), look)
+    if _is_dark_on_bright(look):
+        mirrored = look.mirrored()
+        return _mirrored(_calibrated(_of_levels(_levels(mirrored), mirrored), mirrored))
+    return _calibrated(_of_levels(_levels(look), look), look)
 
 
-def robust_range(volume: Volume) -> tuple[float, float]:
-    """Range without the outermost thousandth of the values at either end, in data units.
-
-    Widened again where that leaves nothing, as in data that are zero nearly everywhere.
-    """
-    values = sample_values(volume)
-    if not len(values):
-        return volume.range
-    return _robust(values)
+def ramp_color(fraction: float) -> Color:
+    """Colour of the default ramp at a fraction 0..1."""
+    positions = np.linspace(0.0, 1.0, len(RAMP))
+    r, g, b = (float(np.interp(fraction, positions, [c[k] for c in RAMP])) for k in range(3))
+    return r, g, b
 
 
-def sample_values(volume: Volume) -> Floats:
-    """Finite values of at most about 700 000 voxels spread evenly over the volume, shape (n,), float64."""
-    values = _strided(volume)[0].ravel()
-    return np.asarray(values[np.isfinite(values)])
+# ---------------------------------------------------------------------- labels
 
 
-# ---------------------------------------------------------------------------------------------- looking at the data
-
-
-@dataclass(frozen=True)
-class _Look:
-    """A coarse lattice of the data: values (z, y, x), gradient magnitude a voxel, and voxel lengths of a cell."""
-
-    values: Floats
-    gradient: Floats
-    #: Length of one cell along (z, y, x), in units of the mean spacing.
-    lengths: tuple[float, float, float]
-    low: float
-    high: float
-    integer: bool
-
-    @classmethod
-    def at(cls, volume: Volume) -> _Look | None:
-        """None when there are not two different finite values."""
-        low, high = volume.range
-        if not low < high:
-            return None
-        values, steps = _strided(volume)
-        values = np.where(np.isfinite(values), values, low)
-        if values.min() == values.max():
-            # What differs fell between the samples: look at the densest slab around an extreme value instead.
-            values = _around_extreme(volume, values.shape)
-            steps = (1, 1, 1)
-        gradient = np.zeros_like(values)
-        for axis in range(3):
-            if values.shape[axis] > 1:
-                gradient += np.gradient(values, axis=axis) ** 2
-        spacing = volume.spacing[::-1]
-        lengths = tuple(s * n / volume.mean_spacing for s, n in zip(spacing, steps, strict=True))
-        integer = volume.array.dtype.kind in "bui" or bool(np.all(values == np.rint(values)))
-        robust_low, robust_high = _robust(values.ravel())
-        return cls(values, np.sqrt(gradient), lengths, robust_low, robust_high, integer)  # type: ignore[arg-type]
-
-    def shell(self) -> Floats:
-        """Values on the six faces of the box."""
-        v = self.values
-        faces = (v[0], v[-1], v[:, 0], v[:, -1], v[:, :, 0], v[:, :, -1])
-        return np.concatenate([f.ravel() for f in faces])
-
-    def coverage(self, threshold: float) -> float:
-        """Share of axis-parallel rays that meet a value of at least `threshold`, mean of the three axes."""
-        above = self.values >= threshold
-        return float(np.mean([above.any(axis=axis).mean() for axis in range(3)]))
-
-
-def _strided(volume: Volume) -> tuple[Floats, tuple[int, int, int]]:
-    array: Any = volume.array
-    steps = tuple(max(1, -(-n // LOOK)) for n in array.shape)
-    taken = array[tuple(slice((n - 1) % s // 2, None, s) for n, s in zip(array.shape, steps, strict=True))]
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.asarray(taken, dtype=np.float64), steps  # type: ignore[return-value]
-
-
-def _around_extreme(volume: Volume, shape: tuple[int, ...]) -> Floats:
-    array: Any = volume.array
-    low, high = volume.range
-    common = float(array.flat[0])
-    wanted = high if common != high else low
-    where = np.argwhere(array == array.dtype.type(wanted))[0]
-    corner = [int(min(max(p - n // 2, 0), full - n)) for p, n, full in zip(where, shape, array.shape, strict=True)]
-    block = array[tuple(slice(c, c + n) for c, n in zip(corner, shape, strict=True))].astype(np.float64)
-    return np.where(np.isfinite(block), block, low)
-
-
-def _robust(values: Floats) -> tuple[float, float]:
-    low, high = (float(v) for v in np.quantile(values, (0.001, 0.999)))
-    if low < high:
-        return low, high
-    # Nearly all are equal: of the others, all but the outermost hundredth.
-    others = values[values != low]
-    if not len(others):
-        return low, low
-    a, b = (float(v) for v in np.quantile(others, (0.01, 0.99)))
-    return min(a, low), max(b, low)
-
-
-# ------------------------------------------------------------------------------------------------------ labels
-
-
-def _labels(look: _Look) -> Floats | None:
+def _labels(look: FirstLook) -> Floats | None:
     """The distinct values when the data look like a label map: few whole numbers in flat patches."""
     if not look.integer:
         return None
     distinct = np.unique(look.values)
-    if len(distinct) > MOST_LABELS or len(distinct) < 2:
+    if not 2 <= len(distinct) <= MOST_LABELS:
         return None
-    if len(distinct) <= 3:
-        return np.asarray(distinct)
-    flat = float((look.gradient == 0).mean())
-    inside = look.values != _background_value(look)
-    if not inside.any():
+    if len(distinct) == 2:
+        return distinct
+    inside = look.values != _commonest(look.shell)
+    if not inside.any() or (look.gradient[inside] == 0).mean() < 0.25:
         return None
-    flat_inside = float((look.gradient[inside] == 0).mean())
-    return np.asarray(distinct) if flat > 0.5 and flat_inside > 0.3 else None
+    # A smooth field of few grey levels changes by one level at a time; labels meet in any order.
+    if len(distinct) > 8:
+        ranks = np.searchsorted(distinct, look.values)
+        jumps = np.concatenate([np.abs(np.diff(ranks, axis=axis)).ravel() for axis in range(3)])
+        jumps = jumps[jumps > 0]
+        if (jumps == 1).mean() > 0.8:
+            return None
+    return distinct
 
 
-def _background_value(look: _Look) -> float:
-    values, counts = np.unique(look.shell(), return_counts=True)
-    return float(values[np.argmax(counts)])
+def _commonest(values: Floats) -> float:
+    distinct, counts = np.unique(values, return_counts=True)
+    return float(distinct[np.argmax(counts)])
 
 
-def _label_function(labels: Floats, look: _Look) -> TransferFunction:
-    """One flat piece per label; the commonest value of the surface is left out."""
-    background = _background_value(look)
+def _of_labels(labels: Floats, look: FirstLook) -> TransferFunction:
+    """One flat piece per label; the commonest value on the surface of the box is left out."""
+    background = _commonest(look.shell)
     points: list[ControlPoint] = []
-    seen = 0
+    shown = 0
     for i, label in enumerate(labels):
-        before = labels[i - 1] if i else label - 1.0
-        after = labels[i + 1] if i + 1 < len(labels) else label + 1.0
-        left = label - min(0.5, (label - before) / 2)
-        right = label + min(0.5, (after - label) / 2)
-        if label == background:
-            color, opacity = LABEL_COLORS[seen % len(LABEL_COLORS)], 0.0
-        else:
-            color, opacity = LABEL_COLORS[seen % len(LABEL_COLORS)], 0.2
-            seen += 1
-        points += [ControlPoint(float(left), color, opacity), ControlPoint(float(right), color, opacity)]
+        reach_down = min(0.5, (label - labels[i - 1]) / 2) if i else 0.5
+        reach_up = min(0.5, (labels[i + 1] - label) / 2) if i + 1 < len(labels) else 0.5
+        color = LABEL_COLORS[shown % len(LABEL_COLORS)]
+        opacity = 0.0 if label == background else 0.2
+        shown += label != background
+        points += [
+            ControlPoint(float(label - reach_down), color, opacity),
+            ControlPoint(float(label + reach_up), color, opacity),
+        ]
+    if len(labels) == 2:
+        # A mask: its blurred edge belongs to it, so one slope from out to in.
+        points = [replace(points[1], value=float(labels[0])), replace(points[2], value=float(labels[1]))]
     return TransferFunction(tuple(points), name="auto")
 
 
-# ------------------------------------------------------------------------------------------- levels of grey data
+# ---------------------------------------------------------------------- levels of grey data
 
 
 @dataclass(frozen=True)
@@ -240,68 +164,90 @@ class _Levels:
     end: float
 
 
-def _levels(look: _Look) -> _Levels:
+def _levels(look: FirstLook) -> _Levels:
     low, high = look.low, look.high
     background, scatter = _background(look)
-    ordinary = high > low
-    if not ordinary:
-        return _Levels(low, (low + 0.5,), low + 1.0)
     start = background + max(4.0 * scatter, 0.02 * (high - low))
-    values, weights = _weighted(look, start)
-    if len(values) < 32 or start >= high:
+    # Noise about the background must not become a fog: half way to the best single cut, while enough stays.
+    cut = _otsu(look.values.ravel(), None, 1)
+    if cut and scatter > 0 and start < cut[0] and look.coverage(cut[0]) >= 0.35:
+        start = max(start, background + 0.5 * (cut[0] - background))
+    if np.count_nonzero(look.values > start) < 32 and start > low:
         start = low + 0.35 * (high - low)
-        values, weights = _weighted(look, start)
-    cuts = _otsu(values, weights, 2)
-    first = _otsu(look.values.ravel(), None, 1)
-    # Noise above the background must not become a fog: between both estimates, the higher one while enough stays.
-    if first and start < first[0] and look.coverage(first[0]) >= 0.35 and scatter > 0:
-        start = max(start, background + 0.5 * (first[0] - background))
-    while look.coverage(start) < LEAST_COVERAGE and start - low > 0.01 * (high - low):
+    for _ in range(8):
+        if look.coverage(start) >= LEAST_COVERAGE:
+            break
         start = low + 0.7 * (start - low)
-    inner = tuple(c for c in cuts if start + 0.03 * (high - start) < c < high)
-    if not inner:
-        inner = (start + 0.4 * (high - start), start + 0.7 * (high - start))
-    return _Levels(start, inner, max(high, start + 1e-6 * max(abs(start), 1.0)))
+    chosen = look.values > start
+    if not chosen.any():
+        return _Levels(low, (0.5 * (low + high),), high)
+    values = look.values[chosen]
+    end = float(max(np.quantile(values, 0.995), min(high, values.max())))
+    if not start < end:
+        end = start + max(1e-6 * abs(start), 1e-12)
+    chosen &= look.values <= end
+    cuts = _otsu(look.values[chosen], _weights(look.gradient[chosen]), 2)
+    inner = tuple(c for c in cuts if start + 0.03 * (end - start) < c < start + 0.97 * (end - start))
+    return _Levels(start, inner or (start + 0.4 * (end - start), start + 0.7 * (end - start)), end)
 
 
-def _background(look: _Look) -> tuple[float, float]:
+def _background(look: FirstLook) -> tuple[float, float]:
     """Commonest value on the surface of the box, and how far the surface scatters about it.
 
     The surface of a box that the object fills is no background: the lowest value is taken then.
     """
-    shell = look.shell()
     low, high = look.low, look.high
-    counts, edges = np.histogram(np.clip(shell, low, high), bins=128, range=(low, high))
-    smooth = np.convolve(counts, (0.25, 0.5, 0.25), mode="same")
-    peak = int(np.argmax(smooth))
+    counts, edges = np.histogram(np.clip(look.shell, low, high), bins=128, range=(low, high))
+    peak = int(np.argmax(np.convolve(counts, (0.25, 0.5, 0.25), mode="same")))
     center = float(edges[peak] + edges[peak + 1]) / 2
-    near = shell[np.abs(shell - center) <= 0.08 * (high - low)]
-    if len(near) < 0.35 * len(shell) or center > low + 0.6 * (high - low):
+    width, middle, scatter = 0.08 * (high - low), center, 0.0
+    for _ in range(4):
+        # Noise wider than the window is cut off by it and looks narrower: widen until it fits.
+        near = look.shell[np.abs(look.shell - middle) <= width]
+        if not len(near):
+            break
+        middle = float(np.median(near))
+        scatter = 1.4826 * float(np.median(np.abs(near - middle)))
+        if 3.5 * scatter <= width:
+            break
+        width = min(3.5 * scatter, 0.5 * (high - low))
+    share = float((np.abs(look.shell - middle) <= width).mean())
+    if share < 0.35 or middle > low + 0.6 * (high - low):
         return low, 0.0
-    middle = float(np.median(near))
-    return middle, 1.4826 * float(np.median(np.abs(near - middle)))
+    return middle, scatter
 
 
-def _weighted(look: _Look, start: float) -> tuple[Floats, Floats]:
-    """Values above `start` and the weight of each: borders of materials count more than their insides."""
-    chosen = (look.values > start) & (look.values <= look.high)
-    values, gradient = look.values[chosen], look.gradient[chosen]
+def _is_dark_on_bright(look: FirstLook) -> bool:
+    """Whether the surface of the box is bright and what lies inside is darker, as in transmitted light."""
+    middle = float(np.median(look.shell))
+    span = look.high - look.low
+    flat = float((np.abs(look.shell - middle) <= 0.1 * span).mean())
+    darker = float((look.values < middle - 0.15 * span).mean())
+    brighter = float((look.values > middle + 0.15 * span).mean())
+    return middle > look.low + 0.6 * span and flat > 0.6 and darker > 0.01 and darker > 3 * brighter
+
+
+def _mirrored(function: TransferFunction) -> TransferFunction:
+    return replace(function, points=tuple(replace(p, value=-p.value) for p in reversed(function.points)))
+
+
+def _weights(gradient: Floats) -> Floats:
+    """Borders of materials count more than their insides, but no voxel more than 8 times the mean."""
     scale = float(gradient.mean()) if len(gradient) else 0.0
-    weights = 0.25 + (gradient / scale if scale > 0 else np.ones_like(gradient))
-    return values, np.minimum(weights, 8.0)
+    return np.minimum(0.25 + (gradient / scale if scale > 0 else 1.0 + 0.0 * gradient), 8.0)
 
 
 def _otsu(values: Floats, weights: Floats | None, cuts: int, bins: int = 64) -> tuple[float, ...]:
-    """Thresholds that split values into ``cuts + 1`` classes of least variance within (Otsu 1979), exhaustively."""
+    """One or two thresholds between classes of least variance within (Otsu 1979), exhaustively."""
     if len(values) < 2:
         return ()
     low, high = (float(v) for v in np.quantile(values, (0.001, 0.999)))
-    if not low < high:
+    if not low < high or not np.isfinite(high - low):
         return ()
     histogram, edges = np.histogram(np.clip(values, low, high), bins=bins, range=(low, high), weights=weights)
-    centers = (edges[:-1] + edges[1:]) / 2
+    # Positions in bins instead of values: no overflow however large the values are.
     mass = np.concatenate([[0.0], np.cumsum(histogram)])
-    moment = np.concatenate([[0.0], np.cumsum(histogram * centers)])
+    moment = np.concatenate([[0.0], np.cumsum(histogram * np.arange(bins))])
 
     def between(i: Any, j: Any) -> Any:
         m = np.asarray(mass[j] - mass[i])
@@ -309,103 +255,93 @@ def _otsu(values: Floats, weights: Floats | None, cuts: int, bins: int = 64) -> 
 
     if cuts == 1:
         i = np.arange(1, bins)
-        best = int(i[np.argmax(between(0, i) + between(i, bins))])
-        return (float(edges[best]),)
+        return (float(edges[int(i[np.argmax(between(0, i) + between(i, bins))])]),)
     i, j = np.triu_indices(bins, 1)
-    inside = (i >= 1) & (j < bins)
-    i, j = i[inside], j[inside]
+    i, j = i[i >= 1], j[i >= 1]
     k = int(np.argmax(between(0, i) + between(i, j) + between(j, bins)))
     return float(edges[i[k]]), float(edges[j[k]])
 
 
-# ----------------------------------------------------------------------------------------------- functions from levels
-
-
-def _ramp_function(levels: _Levels, look: _Look) -> TransferFunction:
+def _of_levels(levels: _Levels, look: FirstLook) -> TransferFunction:
     """Opacity rises in steps at the levels; colours run from cool and dark to warm and light."""
-    bottom = min(look.low, levels.start)
-    stations = [levels.start, *levels.steps, levels.end]
-    opacities = [0.0, *np.linspace(0.05, 0.2, len(levels.steps)), 0.5]
-    points = [ControlPoint(bottom, RAMP[0], 0.0)]
-    span = levels.end - levels.start
-    for value, opacity in zip(stations, opacities, strict=True):
+    stations = (levels.start, *levels.steps, levels.end)
+    opacities = (0.0, *np.linspace(0.05, 0.2, len(levels.steps)), 0.5)
+    points = [ControlPoint(min(look.low, levels.start), RAMP[0], 0.0)]
+    for rank, (value, opacity) in enumerate(zip(stations, opacities, strict=True)):
         # Half by rank, half by value: classes differ in colour even where they lie close together.
-        rank = stations.index(value) / (len(stations) - 1)
-        fraction = 0.5 * rank + 0.5 * (value - levels.start) / span
-        points.append(ControlPoint(float(value), ramp_color(0.12 + 0.88 * fraction), float(opacity)))
+        fraction = rank / (len(stations) - 1) + (value - levels.start) / (levels.end - levels.start)
+        points.append(ControlPoint(float(value), ramp_color(0.12 + 0.44 * fraction), float(opacity)))
     return TransferFunction(tuple(points), name="auto")
 
 
-def ramp_color(fraction: float) -> Color:
-    """Colour of the default ramp at a fraction 0..1."""
-    positions = np.linspace(0.0, 1.0, len(RAMP))
-    r, g, b = (float(np.interp(fraction, positions, [c[k] for c in RAMP])) for k in range(3))
-    return r, g, b
-
-
-def _ct_function(levels: _Levels) -> TransferFunction:
-    """CT in the colours of tissue: skin and lung as a veil, muscle, then bone."""
-    opacities = (0.0, 0.0, 0.01, 0.05, 0.1, 0.35, 0.7)
-    points = [ControlPoint(v, c, a) for (v, c), a in zip(CT_COLORS, opacities, strict=True)]
-    points.insert(2, ControlPoint(-250.0, (0.70, 0.50, 0.40), 0.0))
-    if levels.end < 100.0:
+def _of_ct(look: FirstLook, offset: float) -> TransferFunction:
+    """CT in the colours of tissue. `offset` is added to HU."""
+    points = [ControlPoint(hu + offset, color, opacity) for hu, color, opacity in CT_POINTS]
+    if look.high - offset < 100.0:
         # No bone: what is there must not stay a veil.
-        points = [replace(p, opacity=p.opacity + 0.05 * (p.value >= -500.0)) for p in points]
+        points = [replace(p, opacity=p.opacity + 0.05 * (p.value - offset >= -500.0)) for p in points]
     return TransferFunction(tuple(points), name="auto")
 
 
-def _is_hu(volume: Volume) -> bool:
-    from volviz.model.presets import looks_like_hu
+def _offset_of_hu(volume: Volume) -> float | None:
+    """What is added to HU in the data, None when they are no CT."""
+    from volviz.model.presets import HU_OFFSET, looks_like_hu, looks_like_shifted_hu
 
-    return looks_like_hu(volume)
-
-
-# ---------------------------------------------------------------------------------------------------- how dense
-
-
-def mean_alpha(function: TransferFunction, look: _Look, density: float = 1.0) -> tuple[float, float]:
-    """Mean alpha of the three axis-parallel views of the box, and share of rays with an alpha above 0.02.
-
-    ``alpha = 1 - exp(-density * sum(tau * length))``, lengths in unit distances.
-    """
-    tau = _extinction(function, look)
-    alphas = [
-        1.0 - np.exp(-density * tau.sum(axis=axis) * length) for axis, length in zip(range(3), look.lengths, strict=True)
-    ]
-    return float(np.mean([a.mean() for a in alphas])), float(np.mean([(a > 0.02).mean() for a in alphas]))
+    if looks_like_hu(volume):
+        return 0.0
+    return HU_OFFSET if looks_like_shifted_hu(volume) else None
 
 
-def _extinction(function: TransferFunction, look: _Look) -> Floats:
-    opacity = function.evaluate(look.values)[..., 3]
-    return np.asarray(-np.log1p(-np.minimum(opacity, 0.9999)))
+# ---------------------------------------------------------------------- how dense
 
 
-def _calibrated(function: TransferFunction, look: _Look) -> TransferFunction:
-    """The function with opacities scaled until the mean alpha of the views is what is aimed at."""
-    scale = 1.0
-    for _ in range(12):
-        scaled = _thinned(function, scale)
-        now, _ = mean_alpha(scaled, look)
-        covered = mean_alpha(scaled, look, density=50.0)[1]
-        target = min(max(TARGET_COVERED * covered, TARGET_LOW), TARGET_HIGH)
-        if abs(now - target) < 0.01:
-            break
-        # Extinction and mean depth are proportional for thin pictures; the loop closes the rest.
-        factor = np.log1p(-target) / np.log1p(-min(max(now, 1e-6), 0.9999))
-        scale = float(np.clip(scale * np.clip(factor, 0.05, 20.0), 1e-5, 1e4))
-    return _thinned(function, scale)
+def _calibrated(function: TransferFunction, look: FirstLook) -> TransferFunction:
+    """The function with opacities scaled until the foreseen pictures have the mean alpha aimed at."""
+    # Several times as dense, what is there is opaque, and specks of noise still hardly count.
+    covered = float(look.mean_alphas(4.0 * look.extinctions(function)).mean())
+    target = min(max(TARGET_COVERED * covered, TARGET_LOW), TARGET_HIGH, 0.8 * covered)
+    if covered < LEAST_COVERAGE:
+        # Too little for the foreseen rays to judge: as dense as it may get, and the veil does the rest.
+        target = 1.0
+    faintest = min((p.opacity for p in function.points if p.opacity > 0), default=0.5)
+    # Denser than this the steps of the function would all become opaque.
+    low, high = np.log(1e-5), np.log(np.log1p(-MOST_OPAQUE_STEP) / np.log1p(-faintest))
+    for _ in range(16):
+        middle = (low + high) / 2
+        if look.mean_alphas(look.extinctions(_thinned(function, float(np.exp(middle))))).mean() < target:
+            low = middle
+        else:
+            high = middle
+    function = _thinned(function, float(np.exp((low + high) / 2)))
+    thinnest = look.mean_alphas(look.extinctions(function)).min()
+    return function if thinnest >= VEIL else _veiled(function, look)
 
 
 def _thinned(function: TransferFunction, scale: float) -> TransferFunction:
-    """Extinction at the control points times `scale`: ``a' = 1 - (1 - a)^scale``."""
-    return replace(
-        function,
-        points=tuple(replace(p, opacity=float(1.0 - (1.0 - min(p.opacity, 0.9999)) ** scale)) for p in function.points),
-    )
+    """Extinction at the control points times `scale`: ``a' = 1 - (1 - a)^scale``, at most `MOST_OPAQUE`."""
+
+    def thinned(opacity: float) -> float:
+        return float(min(-np.expm1(np.log1p(-min(opacity, 0.9999)) * scale), MOST_OPAQUE))
+
+    return replace(function, points=tuple(replace(p, opacity=thinned(p.opacity)) for p in function.points))
 
 
-def _calibrated_constant(value: float, voxels: int) -> TransferFunction:
-    """A veil of mean alpha 0.4 across the longest axis, for data without any difference."""
+def _veiled(function: TransferFunction, look: FirstLook) -> TransferFunction:
+    """The function with a faint veil over the whole box, so that next to nothing still makes a picture."""
+    depths = look.lengths * look.rays.shape[2]
+    low, high = 1e-9, 10.0
+    for _ in range(32):
+        middle = (low * high) ** 0.5
+        if look.mean_alphas(middle * depths).min() < VEIL:
+            low = middle
+        else:
+            high = middle
+    least = float(-np.expm1(-low))
+    return replace(function, points=tuple(replace(p, opacity=max(p.opacity, least)) for p in function.points))
+
+
+def _of_constant(value: float, voxels: int) -> TransferFunction:
+    """A veil of alpha 0.4 across the shortest axis, for data without any difference."""
     opacity = 1.0 - (1.0 - 0.4) ** (1.0 / max(voxels - 1, 1))
     color = ramp_color(0.6)
     return TransferFunction(

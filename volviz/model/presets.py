@@ -86,12 +86,13 @@ class Preset:
         LoadError
             It is not a preset, was written by a newer program, or its function is unusable.
         """
-        if not isinstance(data, Mapping) or "transfer_function" not in data:
+        if "transfer_function" not in data:
             raise LoadError(f'{where}: not a preset of VolViz: it has no "transfer_function".')
         version = data.get("version", SCHEMA_VERSION)
         if not isinstance(version, int) or version > SCHEMA_VERSION:
             raise LoadError(
-                f"{where}: preset version {version!r} is newer than this program knows ({SCHEMA_VERSION}); update VolViz."
+                f"{where}: preset version {version!r} is newer than this program knows ({SCHEMA_VERSION}); "
+                "update VolViz."
             )
         try:
             function = TransferFunction.from_dict(data["transfer_function"])
@@ -127,6 +128,8 @@ def read_preset(path: str | Path) -> Preset:
         raise LoadError(f"{path}: cannot be read ({error.strerror or error}).") from None
     except ValueError:
         raise LoadError(f"{path}: not a preset of VolViz: it is not JSON.") from None
+    if not isinstance(data, dict):
+        raise LoadError(f"{path}: not a preset of VolViz: it is a {type(data).__name__}, not an object.")
     return Preset.from_dict(data, str(path))
 
 
@@ -167,9 +170,9 @@ def preset(ident: str) -> Preset:
 def preset_for(chosen: Preset | str, volume: Volume) -> TransferFunction:
     """The function of a preset in the data units of a volume.
 
-    HU presets keep their values where the data are in HU, or look so; on CT whose rescale intercept is missing
-    they are moved by 1024; on anything else air and bone are spread over the range of the data without
-    outliers. Relative presets are spread over the range of the data.
+    HU presets keep their values where the data are in HU, or look so; on CT whose rescale intercept is
+    missing they are moved by 1024; on anything else air and bone are spread over the range of the data
+    without outliers. Relative presets are spread over the range of the data.
 
     Parameters
     ----------
@@ -198,7 +201,7 @@ def preset_for(chosen: Preset | str, volume: Volume) -> TransferFunction:
 
 
 def looks_like_hu(volume: Volume) -> bool:
-    """Whether the values are Hounsfield units: the unit says so, or the range holds air and bone and no more."""
+    """Whether the values are Hounsfield units: the unit says so, or the range is that of air to bone."""
     if volume.unit:
         return volume.unit.strip().upper() == "HU"
     low, high = volume.range
@@ -206,11 +209,11 @@ def looks_like_hu(volume: Volume) -> bool:
 
 
 def looks_like_shifted_hu(volume: Volume) -> bool:
-    """Whether the values are CT stored with an offset of 1024: soft tissue, the commonest non-air, lies there."""
+    """Whether the values are CT stored with an offset of 1024: most of what is not air lies near there."""
     low, high = volume.range
     if volume.unit or volume.array.dtype.kind not in "iu" or low < -200.0 or not 1500.0 <= high <= 5000.0:
         return False
-    from volviz.model.auto_transfer import sample_values
+    from volviz.model.first_look import sample_values
 
     values = sample_values(volume)
     dense = values[values > 500.0]
@@ -222,7 +225,7 @@ def looks_like_shifted_hu(volume: Volume) -> bool:
 def _window(volume: Volume, window: Window) -> tuple[float, float]:
     low, high = volume.range
     if window == "robust":
-        from volviz.model.auto_transfer import robust_range
+        from volviz.model.first_look import robust_range
 
         low, high = robust_range(volume)
     return (low, high) if low < high else (low, low + 1.0)
