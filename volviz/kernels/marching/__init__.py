@@ -1,0 +1,7 @@
+"""Marching cubes and marching tetrahedra, with tables generated from the geometry of the cell."""
+
+from __future__ import annotations
+
+from volviz.kernels.marching.extract import marching_cubes
+
+__all__ = ["marching_cubes"]

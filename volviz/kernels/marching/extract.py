@@ -1,0 +1,159 @@
+"""The public function: arguments checked, method chosen, result made ready."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.errors import InputError
+from volviz.kernels.marching.lattice import sample_lattice
+from volviz.kernels.marching.passes import Extraction
+from volviz.kernels.marching.surface import clean_mesh, face_normals
+from volviz.kernels.marching.tables import CellTables, lorensen_tables, tetrahedra_tables
+
+Array = npt.NDArray[Any]
+
+_TABLES: dict[str, Callable[[], CellTables]] = {
+    "lorensen": lorensen_tables,
+    "tetrahedra": tetrahedra_tables,
+}
+_OTHER_NAMES = {"marching_cubes": "lorensen", "marching_tetrahedra": "tetrahedra"}
+
+
+def marching_cubes(
+    scalars: npt.ArrayLike,
+    isovalue: float,
+    *,
+    method: str = "lorensen",
+    spacing: Sequence[float] = (1.0, 1.0, 1.0),
+    origin: Sequence[float] = (0.0, 0.0, 0.0),
+    direction: npt.ArrayLike | None = None,
+    stride: int = 1,
+    normals: Literal["gradient", "flat"] | None = "gradient",
+    mask: npt.ArrayLike | None = None,
+    bounds: Sequence[int] | None = None,
+    clean: bool = False,
+    progress: Callable[[float], object] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> tuple[npt.NDArray[np.float32], Array, npt.NDArray[np.float32] | None]:
+    """Triangles of the surface on which the scalars have a given value.
+
+    A voxel is inside when its value is at least the isovalue. The mesh is closed but for the border of the
+    volume (and of `mask`), edge-manifold, and the same whatever the number of threads.
+
+    Parameters
+    ----------
+    scalars : array_like of shape (Z, Y, X)
+        bool, integers or real numbers of any width; integers are not copied to floats. NaN is outside; at NaN
+        and infinities the surface passes through the finite neighbour, so no vertex is ever NaN.
+    isovalue : float
+        In data units, finite. Outside the range of the scalars the mesh is empty.
+    method : {"lorensen", "topological", "tetrahedra"}, default: "lorensen"
+        The classic 256 cases (Lorensen and Cline 1987); the topology of the trilinear interpolant (Chernyaev
+        1995; Nielson 2003); six tetrahedra a cell (Bloomenthal 1994). "marching_cubes" and
+        "marching_tetrahedra" are other names of the first and the last.
+    spacing : tuple of 3 floats, default: (1.0, 1.0, 1.0)
+        Distance between voxel centres along (x, y, z), in world units, greater than 0.
+    origin : tuple of 3 floats, default: (0.0, 0.0, 0.0)
+        World position (x, y, z) of voxel (0, 0, 0).
+    direction : array_like of shape (3, 3), default: identity
+        Its columns are the world directions of the index axes. Triangles keep facing outward when it is
+        left-handed.
+    stride : int, default: 1
+        Use every n-th voxel along each axis; the last, shorter cell is kept.
+    normals : {"gradient", "flat"} or None, default: "gradient"
+        One normal a vertex from interpolated central differences; one a triangle; or none.
+    mask : array_like of shape (Z, Y, X), bool, optional
+        Only cells whose eight corners are all True are used; the surface is open at their border.
+    bounds : tuple of 6 ints (i0, i1, j0, j1, k0, k1), optional
+        First and last voxel along x, y and z of the part to use, in voxel indices. Positions do not change;
+        gradients at the faces of the part become one-sided.
+    clean : bool, default: False
+        Merge coincident vertices and drop triangles without area. Off, the mesh stays a manifold also where
+        the isovalue equals samples.
+    progress : callable, optional
+        Called with the finished fraction, 0..1, in the calling thread.
+    cancel : callable, optional
+        Asked now and then; when it returns True the extraction ends with `Cancelled`.
+
+    Returns
+    -------
+    vertices : ndarray of shape (V, 3), float32
+        World positions (x, y, z).
+    faces : ndarray of shape (F, 3), int32 (int64 from 2^31 vertices on)
+        Three different vertices each, counter-clockwise seen from where values are lower.
+    normals : ndarray of shape (V, 3) or, flat, (F, 3), float32, or None
+        Unit vectors (x, y, z) pointing to lower values. Where the gradient vanishes, the direction of the
+        crossed edge; for flat normals of triangles without area (0, 0, 0).
+
+    Raises
+    ------
+    InputError
+        An argument is not one of the above.
+    Cancelled
+        `cancel` returned True.
+    """
+    value = _number(isovalue)
+    name = _OTHER_NAMES.get(method, method)
+    if name not in _TABLES:
+        raise InputError(f"method is {method!r}; choose one of {', '.join(map(repr, _TABLES))}.")
+    if normals not in {"gradient", "flat", None}:
+        raise InputError(f"normals is {normals!r}; choose 'gradient', 'flat' or None.")
+    lattice = sample_lattice(scalars, spacing, origin, direction, stride, bounds)
+    threshold = _threshold(lattice.samples.dtype, value)
+    if threshold is None:
+        return _empty(normals)
+    tables = _TABLES[name]()
+    if lattice.is_mirrored:
+        tables = mirrored(tables)
+    extraction = Extraction(
+        lattice, value, tables, with_normals=normals == "gradient", progress=progress, cancel=cancel
+    )
+    vertices, faces, shading = extraction.run(threshold)
+    if clean:
+        vertices, faces, shading = clean_mesh(vertices, faces, shading)
+    if normals == "flat":
+        shading = face_normals(vertices, faces)
+    return vertices, faces, shading
+
+
+def mirrored(tables: CellTables) -> CellTables:
+    """The same tables with all triangles turned over."""
+    triangles = tables.triangles.reshape(len(tables.triangles), -1, 3)[:, :, [0, 2, 1]]
+    turned = np.ascontiguousarray(triangles.reshape(tables.triangles.shape))
+    turned.flags.writeable = False
+    return replace(tables, triangles=turned)
+
+
+def _number(isovalue: Any) -> float:
+    try:
+        value = float(isovalue)
+    except (TypeError, ValueError):
+        raise InputError(f"isovalue must be a number, got {isovalue!r}.") from None
+    if not math.isfinite(value):
+        raise InputError(f"isovalue must be finite, got {value}.")
+    return value
+
+
+def _threshold(dtype: np.dtype[Any], isovalue: float) -> Any:
+    """Lowest value that is inside, in the type that `native_slab` gives; None when all or none are."""
+    if dtype.kind == "b":
+        dtype = np.dtype(np.uint8)
+    if dtype.kind in "iu":
+        limits = np.iinfo(dtype)
+        lowest = math.ceil(isovalue)
+        return dtype.type(lowest) if int(limits.min) < lowest <= int(limits.max) else None
+    real = np.float64 if dtype.itemsize > 4 else np.float32
+    with np.errstate(over="ignore"):
+        limit = real(isovalue)
+    return limit if float(limit) >= isovalue else np.nextafter(limit, real(np.inf))
+
+
+def _empty(normals: str | None) -> tuple[npt.NDArray[np.float32], Array, npt.NDArray[np.float32] | None]:
+    nothing = np.empty((0, 3), np.float32)
+    return nothing, np.empty((0, 3), np.int32), None if normals is None else nothing.copy()
