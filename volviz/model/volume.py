@@ -12,8 +12,13 @@ import numpy.typing as npt
 
 from volviz.errors import InputError
 
-#: Largest deviation of ``direction.T @ direction`` from the identity that still counts as orthonormal.
-ORTHONORMAL_TOLERANCE = 1e-3
+#: Largest deviation from 1 of the length of a column of ``direction``.
+UNIT_TOLERANCE = 1e-3
+
+#: Largest deviation of two axes from a right angle, in degrees. Registered images are sheared by a few
+#: degrees, which `index_to_world` carries exactly; a tilted gantry shears by 10 to 30 degrees, and such a
+#: volume must be resampled.
+SHEAR_LIMIT = 8.0
 
 _KINDS = "buif"
 
@@ -21,7 +26,8 @@ _KINDS = "buif"
 class Volume:
     """Scalars on a regular lattice, with spacing, origin and direction in world units (LPS, as in ITK).
 
-    A volume is immutable and compares by identity: caches of textures, bricks and meshes are keyed by the object.
+    A volume is immutable and compares by identity: caches of textures, bricks and meshes are keyed by the
+    object.
 
     Parameters
     ----------
@@ -34,8 +40,10 @@ class Volume:
     origin : tuple of 3 floats, default: (0.0, 0.0, 0.0)
         World position (x, y, z) of the centre of voxel (0, 0, 0).
     direction : array_like of shape (3, 3) or (9,), default: identity
-        Orthonormal matrix whose *columns* are the world directions of the index axes i, j, k. Left-handed
-        matrices are allowed.
+        Matrix whose *columns* are the world directions of the index axes i, j, k, of unit length. Left-handed
+        matrices are allowed. The axes may deviate from right angles by `SHEAR_LIMIT` (see `shear`): transform
+        positions with `index_to_world`, and gradients with the transpose of `world_to_index`, never with
+        `direction` alone.
     unit : str
         Unit of the scalars, "HU" say; empty when unknown.
     name : str
@@ -74,7 +82,7 @@ class Volume:
             )
         if scalars.dtype.kind not in _KINDS:
             raise InputError(
-                f"{name}: values of type {scalars.dtype} cannot be shown; convert them to integers or real numbers."
+                f"{name}: values of type {scalars.dtype} cannot be shown; make them integers or real numbers."
             )
         if scalars.dtype == np.bool_:
             scalars = scalars.view(np.uint8)
@@ -147,6 +155,11 @@ class Volume:
         return matrix
 
     @property
+    def shear(self) -> float:
+        """Largest deviation of two of the axes from a right angle, in degrees; 0 for nearly all volumes."""
+        return _shear(self.direction)
+
+    @property
     def extent(self) -> tuple[float, float, float]:
         """World length of the box from first to last voxel centre along the volume's own axes (x, y, z)."""
         x, y, z = ((n - 1) * s for n, s in zip(self.dimensions, self.spacing, strict=True))
@@ -202,10 +215,20 @@ def _direction(direction: npt.ArrayLike | None, name: str) -> npt.NDArray[np.flo
             matrix = np.array(direction, dtype=np.float64).reshape(3, 3)
         except (TypeError, ValueError):
             raise InputError(f"{name}: direction must be a 3 x 3 matrix, got {direction!r}.") from None
-    if not np.allclose(matrix.T @ matrix, np.eye(3), atol=ORTHONORMAL_TOLERANCE):
+    lengths = np.linalg.norm(matrix, axis=0)
+    if not np.allclose(lengths, 1.0, atol=UNIT_TOLERANCE):
+        raise InputError(f"{name}: direction needs columns of unit length, theirs are {lengths.round(6)}.")
+    shear = _shear(matrix)
+    if shear > SHEAR_LIMIT:
         raise InputError(
-            f"{name}: the axes of the volume are sheared or not of unit length, which a direction matrix cannot "
-            "express; resample the volume onto a rectangular lattice first."
+            f"{name}: the axes of the volume are sheared by {shear:.1f} degrees (a tilted gantry, say), "
+            f"more than the {SHEAR_LIMIT:g} that can be drawn; resample it onto a rectangular lattice first."
         )
     matrix.flags.writeable = False
     return matrix
+
+
+def _shear(matrix: npt.NDArray[np.float64]) -> float:
+    """Largest deviation of two columns of unit length from a right angle, in degrees."""
+    products = matrix.T @ matrix - np.diag(np.sum(matrix * matrix, axis=0))
+    return float(np.degrees(np.arcsin(min(1.0, np.abs(products).max()))))

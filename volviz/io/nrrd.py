@@ -1,0 +1,273 @@
+"""NRRD files, values in the file itself (.nrrd) or beside the header (.nhdr).
+
+Source: "Definition of NRRD File Format" (G. Kindlmann, teem.sourceforge.net/nrrd/format.html) for fields,
+encodings, spaces and the order of axes (fastest first).
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from volviz.io.axes import choose, to_zyx
+from volviz.io.geometry import RAS_TO_LPS, Geometry, is_usable, vector
+from volviz.io.reader import stem
+from volviz.io.stored import Encoding, Stored, check_sizes, read_stored
+
+if TYPE_CHECKING:
+    from volviz.io.reader import Job
+    from volviz.model.volume import Volume
+
+SUFFIXES = (".nrrd", ".nhdr")
+
+#: A header longer than this is none.
+HEADER_BYTES = 1 << 20
+
+_TYPES = {
+    "i1": "int8, int8_t, signed char",
+    "u1": "uint8, uint8_t, uchar, unsigned char",
+    "i2": "int16, int16_t, short, short int, signed short, signed short int",
+    "u2": "uint16, uint16_t, ushort, unsigned short, unsigned short int",
+    "i4": "int32, int32_t, int, signed int",
+    "u4": "uint32, uint32_t, uint, unsigned int",
+    "i8": "int64, int64_t, longlong, long long, long long int, signed long long, signed long long int",
+    "u8": "uint64, uint64_t, ulonglong, unsigned long long, unsigned long long int",
+    "f4": "float",
+    "f8": "double",
+}
+_DTYPES = {name: code for code, names in _TYPES.items() for name in names.split(", ")}
+
+_ENCODINGS: dict[str, Encoding] = {
+    "raw": "raw", "gzip": "gzip", "gz": "gzip", "bzip2": "bzip2", "bz2": "bzip2",
+    "ascii": "text", "text": "text", "txt": "text",
+}  # fmt: skip
+
+_TO_LPS = {"right-anterior-superior": RAS_TO_LPS, "ras": RAS_TO_LPS}
+_TO_LPS |= dict.fromkeys(("left-anterior-superior", "las"), np.diag([1.0, -1.0, 1.0]))
+_TIME_KINDS = {"time"}
+_COLOUR_KINDS = {"rgb-color", "rgba-color", "3-color", "4-color"}
+_SPACE_KINDS = {"domain", "space", "???", "none", "time"}
+
+
+def sniff(head: bytes, _path: Path) -> bool:
+    """Whether these are the first bytes of a NRRD file."""
+    return re.match(rb"NRRD000[1-9]\r?\n", head) is not None
+
+
+def read(job: Job) -> Volume:
+    """Read one volume; of a list of volumes the chosen one."""
+    fields, end = _header(job)
+    try:
+        sizes = [int(n) for n in fields["sizes"].split()]
+        kind = fields["type"].lower()
+        encoding = fields["encoding"].lower()
+        dimension = int(fields.get("dimension", len(sizes)))
+    except (KeyError, ValueError):
+        raise job.error("its header gives no readable type, sizes and encoding.") from None
+    if dimension != len(sizes):
+        raise job.error(
+            f"its header gives {dimension} dimensions and {len(sizes)} sizes; the file is damaged."
+        )
+    if kind not in _DTYPES:
+        raise job.error(
+            f"values of the NRRD type {kind!r} cannot be shown; save it as integers or real numbers."
+        )
+    if encoding not in _ENCODINGS:
+        raise job.error(f"the NRRD encoding {encoding!r} cannot be read; save it with raw or gzip encoding.")
+    order = ">" if fields.get("endian", "little").lower() == "big" else "<"
+    stored = _stored(
+        job, fields, end, tuple(sizes[::-1]), np.dtype(order + _DTYPES[kind]), _ENCODINGS[encoding]
+    )
+    check_sizes(stored, job)
+    geometry, letters, colour = _axes(job, fields, sizes)
+    axes = letters[::-1]
+    if axes[0] in "TC" and len(stored.files) == 1 and stored.encoding != "text":
+        stored = stored.frame(choose(job, axes[0], stored.shape[0]))
+        axes = axes[1:]
+    array = to_zyx(read_stored(stored, job), axes, job, colour=colour)
+    return job.volume(
+        array,
+        geometry,
+        format="NRRD",
+        name=stem(job.path, SUFFIXES),
+        unit=_quoted(fields.get("sampleunits", "")),
+        length_unit=_length_unit(fields),
+    )
+
+
+def _header(job: Job) -> tuple[dict[str, str], int]:
+    """Fields by name (lower case, without blanks) and the byte at which the values begin."""
+    with job.path.open("rb") as stream:
+        head = stream.read(HEADER_BYTES)
+    if not sniff(head, job.path):
+        raise job.error("this is no NRRD file, though it is called so; check how it was made.")
+    blank = re.search(rb"\r?\n\r?\n", head)
+    if blank is None and len(head) == HEADER_BYTES:
+        raise job.error("its header does not end; the file is damaged.")
+    # a detached header may end with the file
+    text = head[: blank.start() if blank else None].decode("utf-8", "replace")
+    fields: dict[str, str] = {}
+    lines = text.splitlines()[1:]
+    for number, line in enumerate(lines):
+        if line.startswith("#") or ":=" in line or ":" not in line:
+            continue
+        name, _, value = line.partition(":")
+        key = name.lower().replace(" ", "")
+        fields[key] = value.strip()
+        if key == "datafile" and value.strip().upper().startswith("LIST"):
+            fields["list"] = "\n".join(lines[number + 1 :])
+            break
+    return fields, blank.end() if blank else len(head)
+
+
+def _stored(
+    job: Job,
+    fields: dict[str, str],
+    end: int,
+    shape: tuple[int, ...],
+    dtype: np.dtype[np.generic],
+    encoding: Encoding,
+) -> Stored:
+    detached = fields.get("datafile")
+    files = _data_files(job, detached, fields) if detached else (job.path,)
+    start = 0 if detached else end
+    try:
+        lines = int(fields.get("lineskip", 0))
+        skip = int(fields.get("byteskip", 0))
+    except ValueError:
+        raise job.error("its header has an unreadable line skip or byte skip; the file is damaged.") from None
+    if lines > 0:
+        start += _bytes_of_lines(files[0], start, lines, job)
+    stored = Stored(files, shape, dtype, encoding=encoding)
+    if encoding == "raw":
+        return replace(stored, offset=-1 if skip < 0 else start + skip)
+    if encoding == "text":
+        return replace(stored, offset=start + max(skip, 0))
+    return replace(stored, packed_offset=start, offset=max(skip, 0))
+
+
+def _data_files(job: Job, detached: str, fields: dict[str, str]) -> tuple[Path, ...]:
+    """The files a detached header names: one, a numbered pattern, or a list; relative to the header."""
+    folder = job.path.parent
+    words = detached.split()
+    if words and words[0].upper() == "LIST":
+        return tuple(folder / line.strip() for line in fields.get("list", "").splitlines() if line.strip())
+    if re.search(r"%0?\d*d", detached) and len(words) >= 4:
+        try:
+            first, last, step = (int(word) for word in words[1:4])
+            numbers = range(first, last + (1 if step > 0 else -1), step)
+        except ValueError:
+            raise job.error("its header numbers the data files unreadably; the file is damaged.") from None
+        return tuple(folder / _numbered(words[0], n) for n in numbers)
+    return (folder / detached,)
+
+
+def _numbered(pattern: str, number: int) -> str:
+    # not "%": a file name from a foreign header is no format string to trust
+    found = re.search(r"%(0?)(\d*)d", pattern)
+    assert found is not None
+    width = int(found[2] or 0)
+    digits = str(number).rjust(width, "0" if found[1] else " ")
+    return pattern[: found.start()] + digits + pattern[found.end() :]
+
+
+def _bytes_of_lines(file: Path, start: int, lines: int, job: Job) -> int:
+    if not file.is_file():
+        return 0
+    with file.open("rb") as stream:
+        stream.seek(start)
+        for _ in range(lines):
+            if not stream.readline(HEADER_BYTES):
+                raise job.error("the file is cut off before its values begin; get it again.", file)
+        return stream.tell() - start
+
+
+def _axes(job: Job, fields: dict[str, str], sizes: list[int]) -> tuple[Geometry, str, bool | None]:
+    """Geometry, one letter an axis (fastest first), and whether the axis "S" holds colours."""
+    kinds = fields.get("kinds", "").lower().split() or ["???"] * len(sizes)
+    columns = _directions(job, fields, len(sizes))
+    colour: bool | None = None
+    letters = ""
+    spatial = iter("XYZ")
+    for axis in range(len(sizes)):
+        kind = kinds[axis] if axis < len(kinds) else "???"
+        in_space = columns[axis] is not None if columns is not None else kind in _SPACE_KINDS
+        letter = next(spatial, None) if in_space else None
+        if letter is None:
+            letter = "T" if kind in _TIME_KINDS or (in_space and kind not in _COLOUR_KINDS) else "S"
+            if letter == "S" and axis > 0 and kind not in _COLOUR_KINDS:
+                letter = "C"
+        if letter == "S":
+            colour = True if kind in _COLOUR_KINDS else None
+        letters += letter
+    if "Z" not in letters or any(letters.count(c) > 1 for c in "TCS"):
+        raise job.error(f"its {len(sizes)} axes are not those of a volume; save it with three spatial axes.")
+    order = [letters.index(c) for c in "XYZ"]
+    if columns is not None:
+        matrix = np.array([columns[axis] for axis in order], float).T
+        if matrix.shape != (3, 3) or not is_usable(matrix):
+            raise job.error("its space directions do not span space; the file is damaged.")
+        turn = _TO_LPS.get(fields.get("space", "").lower().removesuffix("-time").removesuffix("t"), np.eye(3))
+        origin = _vectors(fields.get("spaceorigin", ""))
+        first = origin[0] if origin and origin[0] is not None and len(origin[0]) >= 3 else (0.0, 0.0, 0.0)
+        start = np.nan_to_num(np.array(first[:3], float))
+        return Geometry.from_affine(np.c_[turn @ matrix, turn @ start]), letters, colour
+    spacing = _numbers(fields.get("spacings", ""), len(sizes))
+    lowest = _numbers(fields.get("axismins", ""), len(sizes))
+    steps = [spacing[axis] if np.isfinite(spacing[axis]) and spacing[axis] != 0 else 1.0 for axis in order]
+    start = np.array([lowest[axis] if np.isfinite(lowest[axis]) else 0.0 for axis in order])
+    return Geometry(vector(np.abs(steps)), vector(start)), letters, colour
+
+
+def _directions(job: Job, fields: dict[str, str], count: int) -> list[tuple[float, ...] | None] | None:
+    if "spacedirections" not in fields:
+        return None
+    columns = _vectors(fields["spacedirections"])
+    if len(columns) != count or sum(c is not None for c in columns) != 3:
+        raise job.error("its space directions do not fit its axes; the file is damaged.")
+    return [None if c is None else c[:3] for c in columns]
+
+
+def _vectors(text: str) -> list[tuple[float, ...] | None]:
+    """``none (1,0,0) (0,1,0)`` as numbers; unreadable ones are nan."""
+    result: list[tuple[float, ...] | None] = []
+    for found in re.finditer(r"\(([^)]*)\)|none", text, re.IGNORECASE):
+        if found[1] is None:
+            result.append(None)
+        else:
+            numbers = tuple(_number(word) for word in found[1].split(","))
+            result.append(None if all(np.isnan(numbers)) else numbers)
+    return result
+
+
+def _numbers(text: str, count: int) -> list[float]:
+    values = [_number(word) for word in text.split()]
+    return values if len(values) == count else [float("nan")] * count
+
+
+def _number(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        return float("nan")
+
+
+def _quoted(text: str) -> str:
+    try:
+        words = shlex.split(text)
+    except ValueError:
+        return ""
+    return words[0] if words and words[0] != "???" else ""
+
+
+def _length_unit(fields: dict[str, str]) -> str:
+    for key in ("spaceunits", "units"):
+        unit = _quoted(fields.get(key, ""))
+        if unit:
+            return {"um": "µm", "micron": "µm", "microns": "µm"}.get(unit, unit)
+    return "mm" if "space" in fields else ""

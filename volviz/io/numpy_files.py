@@ -1,0 +1,70 @@
+"""NumPy arrays (.npy), axes (Z, Y, X)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from volviz.io.axes import choose, to_zyx
+from volviz.io.geometry import Geometry
+from volviz.io.reader import stem
+from volviz.io.stored import Stored, check_sizes, read_stored
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from volviz.io.reader import Job
+    from volviz.model.volume import Volume
+
+SUFFIXES = (".npy",)
+
+
+def sniff(head: bytes, _path: Path) -> bool:
+    """Whether these are the first bytes of a NumPy array file."""
+    return head.startswith(b"\x93NUMPY")
+
+
+def read(job: Job) -> Volume:
+    """Read one volume; of a four-dimensional array one time point, or the brightness of its colours.
+
+    The last axis of a 4D array is taken for colours when it has 3 or 4 entries of 8 bits, otherwise the first
+    axis is time.
+    """
+    shape, fortran, dtype, offset = _header(job)
+    if dtype.hasobject or dtype.kind not in "buifc":
+        raise job.error(f"values of type {dtype} cannot be shown; save it as integers or real numbers.")
+    rank = len(shape)
+    if rank not in (3, 4):
+        raise job.error(f"the array has {rank} axes; save it with the three axes z, y, x.")
+    axes = "ZYX"
+    if rank == 4:
+        axes = "ZYXS" if shape[-1] in (3, 4) and dtype == np.uint8 else "TZYX"
+    # in Fortran order the file holds the reversed array in C order
+    stored = Stored((job.path,), shape[::-1] if fortran else shape, dtype, offset=offset)
+    check_sizes(stored, job)
+    if axes[0] == "T" and not fortran:
+        stored = stored.frame(choose(job, "T", shape[0]))
+        axes = axes[1:]
+    array: Any = read_stored(stored, job)
+    array = to_zyx(array.transpose() if fortran else array, axes, job)
+    if array.dtype.kind == "c":
+        job.note("Complex values are shown as their magnitude.")
+        array = np.abs(array)
+    return job.volume(array, Geometry(), format="NumPy", name=stem(job.path, SUFFIXES))
+
+
+def _header(job: Job) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
+    reading = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+        # 3.0 is 2.0 with UTF-8 names of fields, which no volume has
+        (3, 0): np.lib.format.read_array_header_2_0,
+    }
+    with job.path.open("rb") as stream:
+        try:
+            version = np.lib.format.read_magic(stream)
+            shape, fortran, dtype = reading[version](stream)
+        except (ValueError, KeyError, UnicodeDecodeError, SyntaxError):
+            raise job.error("its NumPy header is unreadable; the file is damaged.") from None
+        return tuple(int(n) for n in shape), bool(fortran), dtype, stream.tell()

@@ -1,0 +1,108 @@
+"""Raw files: values without a header, described by hints or by the name of the file."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from volviz.errors import InputError
+from volviz.io.geometry import Geometry
+from volviz.io.reader import stem
+from volviz.io.stored import Stored, check_sizes, read_stored
+
+if TYPE_CHECKING:
+    from volviz.io.reader import Hints, Job
+    from volviz.model.volume import Volume
+
+SUFFIXES = (".raw", ".raw.gz", ".bin", ".dat")
+
+_PATTERN = re.compile(r"(?<!\d)(\d+)x(\d+)x(\d+)(?!\d|x\d)", re.IGNORECASE)
+_TYPE = re.compile(
+    r"(?<![a-z])(u?int(?:8|16|32|64)|float(?:16|32|64)|u?char|u?short|float|double)(?![a-z\d])"
+)
+_SYNONYMS = {
+    "uchar": "uint8", "char": "int8", "ushort": "uint16", "short": "int16", "uint": "uint32", "int": "int32",
+    "float": "float32", "double": "float64", "unsigned char": "uint8", "unsigned short": "uint16",
+}  # fmt: skip
+_WANTED = "give dims=(x, y, z) and dtype=..., or call the file like head_256x256x225_uint8.raw"
+
+
+def sniff(_head: bytes, path: Path) -> bool:
+    """Whether the name of the file says what is in it."""
+    return hints_from_name(path.name) is not None
+
+
+def hints_from_name(name: str) -> tuple[tuple[int, int, int], str] | None:
+    """Sizes (x, y, z) and type of the values in a name such as ``head_256x256x225_uint8.raw``."""
+    sizes = _PATTERN.search(name)
+    kind = _TYPE.search(name.lower())
+    if sizes is None or kind is None:
+        return None
+    return (int(sizes[1]), int(sizes[2]), int(sizes[3])), _SYNONYMS.get(kind[1], kind[1])
+
+
+def read(job: Job) -> Volume:
+    """Read a raw file, plain or gzipped."""
+    dims, dtype = _described(job)
+    packed = _is_gzip(job.path)
+    header = job.hints.header or 0
+    if header < 0 and packed:
+        raise InputError(f"{job.path.name}: header=-1 needs a file that is not compressed; unpack it first.")
+    stored = Stored((job.path,), dims[::-1], dtype, offset=header, encoding="gzip" if packed else "raw")
+    if not packed:
+        _compare_with_file(stored, job)
+    check_sizes(stored, job)
+    if job.hints.spacing is None:
+        job.note("A raw file does not say how far its voxels lie apart; 1 is taken along every axis.")
+    return job.volume(read_stored(stored, job), Geometry(), format="raw", name=stem(job.path, SUFFIXES))
+
+
+def _described(job: Job) -> tuple[tuple[int, int, int], np.dtype[Any]]:
+    hints: Hints = job.hints
+    named = hints_from_name(job.path.name)
+    sizes = _PATTERN.search(job.path.name)
+    dims = hints.dims or (named[0] if named else None)
+    if dims is None and sizes is not None:
+        dims = int(sizes[1]), int(sizes[2]), int(sizes[3])
+    kind = hints.dtype if hints.dtype is not None else (named[1] if named else None)
+    if dims is None or kind is None:
+        what = "size" if dims is None else "type of its values"
+        raise job.error(f"a raw file does not say the {what}; {_WANTED}.")
+    if min(dims) < 1:
+        raise InputError(f"dims must be three positive integers (x, y, z), got {dims!r}.")
+    return dims, _dtype(kind, hints.endian)
+
+
+def _dtype(kind: Any, endian: str | None) -> np.dtype[Any]:
+    try:
+        dtype = np.dtype(_SYNONYMS.get(kind.lower(), kind.lower()) if isinstance(kind, str) else kind)
+    except TypeError:
+        raise InputError(
+            f"dtype {kind!r} is unknown; use uint8, int16, uint16, float32 or the like."
+        ) from None
+    if dtype.kind not in "buif":
+        raise InputError(
+            f"values of type {dtype} cannot be shown; use uint8, int16, uint16, float32 or the like."
+        )
+    if endian is not None:
+        return dtype.newbyteorder(">" if endian == "big" else "<")
+    # a dtype such as ">u2" says it itself; a plain name means little endian, whatever the machine
+    return dtype if dtype.byteorder in "<>|" else dtype.newbyteorder("<")
+
+
+def _compare_with_file(stored: Stored, job: Job) -> None:
+    """Say it when the file has more bytes than the description: probably the description is wrong."""
+    spare = job.path.stat().st_size - stored.nbytes - max(stored.offset, 0)
+    if spare > 0 and stored.offset >= 0:
+        job.note(
+            f"The file is {spare:,} bytes longer than its description says; they were left out. "
+            "If the picture looks shifted, give header=-1 or correct dims and dtype."
+        )
+
+
+def _is_gzip(path: Path) -> bool:
+    with path.open("rb") as stream:
+        return stream.read(2) == b"\x1f\x8b"

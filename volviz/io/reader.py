@@ -1,0 +1,221 @@
+"""What a reader is, and what it is told: path, hints, progress, cancelling."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from volviz.errors import Cancelled, InputError, LoadError
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from volviz.io.geometry import Geometry
+    from volviz.model.volume import Volume
+
+Progress = Callable[[float, str], object]
+Cancel = Callable[[], bool]
+
+SAMPLE_PREFIX = "sample:"
+
+#: Bytes of a file that `Reader.sniff` is given.
+HEAD_BYTES = 4096
+
+
+@dataclass(frozen=True)
+class Hints:
+    """What the user says about a file that the file itself leaves open; None = not said.
+
+    Attributes
+    ----------
+    dims : tuple of 3 ints
+        Number of voxels along (x, y, z) of a raw file.
+    dtype : str or numpy dtype
+        Type of the values of a raw file, "uint8" or "float32" say.
+    endian : {"little", "big"}
+        Byte order of a raw file; "little" when not said.
+    header : int
+        Bytes before the values of a raw file; -1 = the values are the last bytes of the file. Default 0.
+    spacing, origin : tuple of 3 floats
+        Replace what the file says about spacing and origin, (x, y, z) in world units.
+    unit, name : str
+        Replace unit of the values and name of the volume.
+    time, channel : int
+        Time point and channel to take, counted from 0.
+    series : str or int
+        DICOM: series instance UID or number of the series in the folder, counted from 0.
+        TIFF: number of the series in the file.
+    """
+
+    dims: tuple[int, int, int] | None = None
+    dtype: Any = None
+    endian: str | None = None
+    header: int | None = None
+    spacing: tuple[float, float, float] | None = None
+    origin: tuple[float, float, float] | None = None
+    unit: str | None = None
+    name: str | None = None
+    time: int | None = None
+    channel: int | None = None
+    series: str | int | None = None
+
+    @classmethod
+    def from_keywords(cls, keywords: dict[str, Any]) -> Hints:
+        """Checked hints; an unknown keyword or a value of the wrong kind raises `InputError`."""
+        known = [f.name for f in fields(cls)]
+        for name in keywords:
+            if name not in known:
+                raise InputError(f"load knows no hint {name!r}; it takes {', '.join(known)}.")
+        values = {name: value for name, value in keywords.items() if value is not None}
+        for name in ("dims", "spacing", "origin"):
+            if name in values:
+                values[name] = _three(name, values[name], int if name == "dims" else float)
+        for name in ("header", "time", "channel"):
+            if name in values and not _is_integer(values[name]):
+                raise InputError(f"{name} must be an integer, got {values[name]!r}.")
+        if "endian" in values and values["endian"] not in ("little", "big"):
+            raise InputError(f"endian must be 'little' or 'big', got {values['endian']!r}.")
+        return cls(**values)
+
+
+@dataclass(frozen=True)
+class Job:
+    """One call of `load`: what to read and whom to tell.
+
+    Attributes
+    ----------
+    path : Path
+        File or folder.
+    hints : Hints
+    progress : callable(fraction, text) or None
+        Told about the progress, fraction 0..1.
+    cancel : callable() -> bool or None
+        Asked between blocks; True stops the work.
+    notes : list of str
+        Sentences for the user: what was chosen or changed. They end up in ``Volume.metadata["notes"]``.
+    """
+
+    path: Path
+    hints: Hints = field(default_factory=Hints)
+    progress: Progress | None = None
+    cancel: Cancel | None = None
+    notes: list[str] = field(default_factory=list)
+
+    def report(self, fraction: float, text: str = "reading") -> None:
+        """Tell the progress and stop when the user wants to.
+
+        Raises
+        ------
+        Cancelled
+        """
+        if self.cancel is not None and self.cancel():
+            raise Cancelled(f"{self.path.name}: loading was cancelled.")
+        if self.progress is not None:
+            self.progress(min(max(fraction, 0.0), 1.0), text)
+
+    def note(self, sentence: str) -> None:
+        """Add a sentence for the user, once."""
+        if sentence not in self.notes:
+            self.notes.append(sentence)
+
+    def volume(
+        self,
+        array: npt.ArrayLike,
+        geometry: Geometry,
+        *,
+        format: str,  # noqa: A002 - the key of the metadata
+        name: str,
+        unit: str = "",
+        length_unit: str = "",
+        **metadata: Any,
+    ) -> Volume:
+        """The volume that was read, with the user's hints in place of what the file says.
+
+        Raises
+        ------
+        LoadError
+            `Volume` refuses the array or its geometry.
+        """
+        from volviz.model.volume import Volume
+
+        hints = self.hints
+        try:
+            return Volume(
+                array,
+                hints.spacing or geometry.spacing,
+                hints.origin or geometry.origin,
+                geometry.direction,
+                unit=unit if hints.unit is None else hints.unit,
+                name=hints.name or name,
+                metadata={
+                    "source": self.source, "format": format, "length_unit": length_unit,
+                    "notes": tuple(self.notes), **metadata,
+                },
+            )  # fmt: skip
+        except InputError as error:
+            raise LoadError(str(error)) from None
+
+    @property
+    def source(self) -> str:
+        """What `load` was asked for, so that it can be asked again: an absolute path or ``sample:<id>``."""
+        text = str(self.path)
+        return text if text.startswith(SAMPLE_PREFIX) else str(self.path.absolute())
+
+    def error(self, what: str, path: Path | None = None) -> LoadError:
+        """A `LoadError` that names the file."""
+        return LoadError(f"{(path or self.path).name}: {what}")
+
+
+@dataclass(frozen=True)
+class Reader:
+    """One row of the table of formats.
+
+    Attributes
+    ----------
+    name : str
+        What people call the format; also the label in the file dialog.
+    suffixes : tuple of str
+        Lower case, with the dot; the longest suffix that fits decides.
+    sniff : callable(head, path) -> bool
+        Whether the first bytes of a file (`HEAD_BYTES` at most, decompressed if it is gzipped) are of this
+        format.
+    read : callable(Job) -> Volume
+        Imports what it needs when called.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    sniff: Callable[[bytes, Path], bool]
+    read: Callable[[Job], Volume]
+
+    @property
+    def dialog_filter(self) -> str:
+        """Entry for a file dialog: ``NIfTI (*.nii *.nii.gz)``."""
+        return f"{self.name} ({' '.join('*' + s for s in self.suffixes)})"
+
+
+def stem(path: Path, suffixes: tuple[str, ...] = ()) -> str:
+    """Name of a file without the suffix of its format and without ``.gz``."""
+    name = path.name
+    for suffix in sorted((*suffixes, ".gz"), key=len, reverse=True):
+        if name.lower().endswith(suffix) and len(name) > len(suffix):
+            name = name[: -len(suffix)]
+    return name if suffixes else (Path(name).stem or name)
+
+
+def _is_integer(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _three(name: str, value: Any, kind: type[int | float]) -> tuple[Any, Any, Any]:
+    try:
+        x, y, z = value
+        converted = kind(x), kind(y), kind(z)
+        if kind is int and converted != (x, y, z):
+            raise ValueError
+    except (TypeError, ValueError):
+        word = "integers" if kind is int else "numbers"
+        raise InputError(f"{name} must be three {word} (x, y, z), got {value!r}.") from None
+    return converted

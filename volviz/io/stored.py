@@ -1,0 +1,252 @@
+"""Scalars as they lie in files: read in blocks, checked against the size of the file beforehand.
+
+NIfTI, NRRD, MetaImage, NumPy and raw files are all a header and one run of values, plain or compressed. Their
+readers parse the header; this module brings the values in, tells the progress, can be cancelled, and
+notices a file that is cut off.
+"""
+
+from __future__ import annotations
+
+import bz2
+import math
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from volviz.io.reader import Job
+
+Encoding = Literal["raw", "gzip", "bzip2", "text"]
+
+BLOCK = 4 << 20
+"""Bytes read at once: small enough to cancel within some 20 ms, large enough to cost nothing."""
+
+DEFLATE_RATIO = 1032
+"""Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes in 2 bits)."""
+
+ONE_SHOT_BYTES = 64 << 20
+"""Compressed data up to this size is unpacked by libdeflate in one call, twice as fast as zlib in blocks."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """Where the values of a volume lie and how.
+
+    Attributes
+    ----------
+    files : tuple of Path
+        Usually one; several files are joined, each holds an equal part.
+    shape : tuple of int
+        Sizes, the slowest axis first, as in a C-ordered array.
+    dtype : numpy dtype
+        With byte order.
+    offset : int
+        Bytes before the values, of the *unpacked* stream for compressed data; -1 = the values end with the
+        file (plain data only).
+    packed_offset : int
+        Bytes of the file before compressed data begins.
+    encoding : {"raw", "gzip", "bzip2", "text"}
+        "gzip" covers zlib streams too.
+    whole : bool
+        The values go on to the end of the stream; False for a `frame`.
+    """
+
+    files: tuple[Path, ...]
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    offset: int = 0
+    packed_offset: int = 0
+    encoding: Encoding = "raw"
+    whole: bool = True
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all values."""
+        return math.prod(self.shape) * self.dtype.itemsize
+
+    def frame(self, index: int) -> Stored:
+        """One entry along the slowest axis alone: the only part that is read of a 4D file."""
+        if len(self.files) > 1 or self.encoding == "text":
+            raise ValueError("only a single run of bytes has frames")
+        size = math.prod(self.shape[1:]) * self.dtype.itemsize
+        offset = self.offset
+        if offset < 0:
+            offset = self.files[0].stat().st_size - self.nbytes
+        return replace(self, shape=self.shape[1:], offset=offset + index * size, whole=False)
+
+
+def check_sizes(stored: Stored, job: Job) -> None:
+    """Compare what the header promises with what the files can hold, before any memory is asked for.
+
+    Raises
+    ------
+    LoadError
+        Sizes below 1, a missing data file, fewer bytes than promised.
+    """
+    if min(stored.shape, default=0) < 1:
+        sizes = " x ".join(str(n) for n in stored.shape[::-1])
+        raise job.error(f"its header gives the size {sizes}, which no volume has; the file is damaged.")
+    part = stored.nbytes // len(stored.files)
+    for file in stored.files:
+        if not file.is_file():
+            raise job.error(
+                f"the values should lie in {file.name}, which is not there; keep both files in one folder."
+            )
+        size = file.stat().st_size - stored.packed_offset
+        if stored.encoding == "raw":
+            there, wanted = size - max(stored.offset, 0), part
+        elif stored.encoding == "gzip":
+            there, wanted = size * DEFLATE_RATIO, part + stored.offset
+        elif stored.encoding == "text":
+            # at least one digit and one blank a value; the last one may end the file
+            there, wanted = size + 1, 2 * math.prod(stored.shape)
+        else:
+            # 45 bytes of bzip2 can hold 45,899,235 equal ones: the best ratio the format has
+            there, wanted = size * 1_100_000, part + stored.offset
+        if there < wanted:
+            raise job.error(
+                f"the file is cut off: the header promises {part:,} bytes of values and the file "
+                f"can hold {max(there, 0):,} at most; get it again.",
+                file,
+            )
+
+
+def read_stored(stored: Stored, job: Job) -> npt.NDArray[Any]:
+    """The values as an array of `stored.shape`, native byte order not ensured.
+
+    Raises
+    ------
+    LoadError
+        See `check_sizes`; damaged compressed data.
+    Cancelled
+    """
+    check_sizes(stored, job)
+    if stored.encoding == "text":
+        return _read_text(stored, job)
+    job.report(0.0)
+    if stored.encoding == "gzip" and stored.whole and len(stored.files) == 1:
+        quick = _unpack_at_once(stored, job)
+        if quick is not None:
+            job.report(1.0)
+            return quick
+    array = np.empty(stored.shape, stored.dtype)
+    flat = array.reshape(-1).view(np.uint8)
+    part = stored.nbytes // len(stored.files)
+    for number, file in enumerate(stored.files):
+        target = flat[number * part : (number + 1) * part]
+        base = number / len(stored.files)
+        if stored.encoding == "raw":
+            _fill_plain(target, file, stored.offset, job, base, 1 / len(stored.files))
+        else:
+            _fill_unpacked(target, file, stored, job)
+    job.report(1.0)
+    return array
+
+
+def _fill_plain(
+    target: npt.NDArray[np.uint8], file: Path, offset: int, job: Job, base: float, share: float
+) -> None:
+    view = target.data
+    with file.open("rb", buffering=0) as stream:
+        stream.seek(offset if offset >= 0 else file.stat().st_size - len(view))
+        done = 0
+        while done < len(view):
+            count = stream.readinto(view[done : done + BLOCK])
+            if not count:
+                raise job.error("the file is cut off: it became shorter while it was read.", file)
+            done += count
+            job.report(base + share * done / len(view))
+
+
+def _unpack_at_once(stored: Stored, job: Job) -> npt.NDArray[Any] | None:
+    """All values by libdeflate, or None when the stream is long or in any way unusual: zlib then decides."""
+    file = stored.files[0]
+    if file.stat().st_size > ONE_SHOT_BYTES or stored.nbytes > 16 * ONE_SHOT_BYTES:
+        return None
+    try:
+        import imagecodecs
+
+        packed = file.read_bytes()[stored.packed_offset :]
+        decode = imagecodecs.gzip_decode if packed[:2] == b"\x1f\x8b" else imagecodecs.zlib_decode
+        unpacked = np.empty(stored.offset + stored.nbytes, np.uint8)
+        job.report(0.1, "unpacking")
+        result = decode(packed, out=unpacked)
+    except (ImportError, RuntimeError, ValueError):
+        return None
+    if len(result) != len(unpacked):
+        return None
+    values = unpacked[stored.offset :]
+    if stored.offset % stored.dtype.itemsize:
+        values = values.copy()
+    return values.view(stored.dtype).reshape(stored.shape)
+
+
+def _fill_unpacked(target: npt.NDArray[np.uint8], file: Path, stored: Stored, job: Job) -> None:
+    view = target.data
+    skip, done = stored.offset, 0
+    try:
+        for block, fraction in _unpacked_blocks(file, stored.packed_offset, stored.encoding):
+            used = block
+            if skip:
+                used = block[skip:]
+                skip -= len(block) - len(used)
+            count = min(len(used), len(view) - done)
+            view[done : done + count] = used[:count]
+            done += count
+            job.report(fraction, "unpacking")
+            if done == len(view):
+                return
+    except (zlib.error, OSError, EOFError, ValueError):
+        raise job.error("the compressed data is damaged; get the file again.", file) from None
+    raise job.error(
+        f"the file is cut off: the header promises {len(view):,} bytes of values, {done:,} are there.",
+        file,
+    )
+
+
+def _unpacked_blocks(file: Path, start: int, encoding: Encoding) -> Iterator[tuple[memoryview, float]]:
+    """Unpacked blocks of at most `BLOCK` bytes, and how much of the file is read; members are joined."""
+    size = max(file.stat().st_size, 1)
+    with file.open("rb") as stream:
+        stream.seek(start)
+        pending = b""
+        while True:
+            unpacker: Any = bz2.BZ2Decompressor() if encoding == "bzip2" else zlib.decompressobj(wbits=47)
+            while not unpacker.eof:
+                if not pending:
+                    pending = stream.read(BLOCK // 16)
+                    if not pending:
+                        return
+                block = unpacker.decompress(pending, BLOCK)
+                pending = b"" if encoding == "bzip2" else unpacker.unconsumed_tail
+                yield memoryview(block), stream.tell() / size
+                while encoding == "bzip2" and not unpacker.needs_input and not unpacker.eof:
+                    yield memoryview(unpacker.decompress(b"", BLOCK)), stream.tell() / size
+            pending = unpacker.unused_data or stream.read(BLOCK // 16)
+            # padding after the last member is allowed and common (tapes, block devices)
+            if not pending.strip(b"\0"):
+                return
+
+
+def _read_text(stored: Stored, job: Job) -> npt.NDArray[Any]:
+    job.report(0.0)
+    count = math.prod(stored.shape)
+    words: list[bytes] = []
+    for file in stored.files:
+        words += file.read_bytes()[max(stored.offset, 0) :].replace(b",", b" ").split()
+        job.report(0.5)
+    if len(words) < count:
+        raise job.error(
+            f"the file is cut off: the header promises {count:,} values, {len(words):,} are there."
+        )
+    try:
+        values = np.array(words[:count]).astype(np.float64)
+    except ValueError:
+        raise job.error("the values are not all numbers; the file is damaged.") from None
+    return values.astype(stored.dtype.newbyteorder("=")).reshape(stored.shape)

@@ -1,0 +1,15 @@
+"""The one table of readers. A new format is one module and one row here."""
+
+from __future__ import annotations
+
+from volviz.io import metaimage, nifti, nrrd, numpy_files, raw
+from volviz.io.reader import Reader
+
+#: Asked in this order; the raw reader comes last because it believes a name.
+READERS: tuple[Reader, ...] = (
+    Reader("NIfTI", nifti.SUFFIXES, nifti.sniff, nifti.read),
+    Reader("NRRD", nrrd.SUFFIXES, nrrd.sniff, nrrd.read),
+    Reader("MetaImage", metaimage.SUFFIXES, metaimage.sniff, metaimage.read),
+    Reader("NumPy", numpy_files.SUFFIXES, numpy_files.sniff, numpy_files.read),
+    Reader("Raw", raw.SUFFIXES, raw.sniff, raw.read),
+)
