@@ -1,0 +1,1 @@
+"""The desktop program: a window on the library `volviz`."""

@@ -1,0 +1,173 @@
+"""All commands of the window, each made once: menus, tool bar, keys and the page of shortcuts show the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence
+
+from volviz_ui.icons import set_icon
+from volviz_ui.panels.technique_box import choose_technique, drawing_techniques
+
+if TYPE_CHECKING:
+    from volviz_ui.main_window import MainWindow
+
+Keys = str | QKeySequence.StandardKey | list[str]
+
+
+class Actions(QObject):
+    """The commands, by name as attributes.
+
+    Parameters
+    ----------
+    window : MainWindow
+        Whose methods they call.
+    """
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window = window
+        standard = QKeySequence.StandardKey
+        w, tr = window, self.tr
+        files = w.file_commands
+        views = w.view_commands
+
+        self.open = self._make(tr("&Open…"), files.open_file, standard.Open, "folder-open", tr("Open a volume from a file"))
+        self.open_folder = self._make(
+            tr("Open &DICOM folder…"), files.open_folder, "Ctrl+Shift+O", "folder", tr("Open the series in a folder")
+        )
+        self.import_raw = self._make(
+            tr("&Import raw file…"), files.import_raw, "", "file", tr("Open a file of bare values; say how to read it")
+        )
+        self.export_picture = self._make(
+            tr("&Export picture…"), files.export_picture, "Ctrl+E", "export", tr("Draw the picture at any size into a file")
+        )
+        self.copy_picture = self._make(
+            tr("&Copy picture"), files.copy_picture, "Ctrl+Shift+C", "copy", tr("Put the viewport on the clipboard")
+        )
+        self.copy_script = self._make(
+            tr("Copy as P&ython"), files.copy_script, "", "code", tr("Put a script that draws this picture on the clipboard")
+        )
+        self.quit = self._make(tr("&Quit"), w.close, standard.Quit, "", tr("Close the window"))
+
+        self.undo = self._make(tr("&Undo"), w.documents.undo, standard.Undo, "arrow-u-up-left", tr("Take back the last change"))
+        self.redo = self._make(
+            tr("&Redo"), w.documents.redo, ["Ctrl+Y", "Ctrl+Shift+Z"], "arrow-u-up-right", tr("Do it again")
+        )
+        self.preferences = self._make(
+            tr("&Preferences…"), w.show_preferences, "Ctrl+,", "gear", tr("Theme and quality")
+        )
+
+        self.reset_camera = self._make(
+            tr("Re&set camera"), views.reset_camera, ["Home", "F"], "frame-corners", tr("See the whole volume again")
+        )
+        self.axis_views: list[QAction] = []
+        for letter, words in (
+            ("A", tr("From &anterior (front)")),
+            ("P", tr("From &posterior (back)")),
+            ("L", tr("From &left")),
+            ("R", tr("From &right")),
+            ("S", tr("From &superior (above)")),
+            ("I", tr("From &inferior (below)")),
+        ):
+            action = self._make(
+                words, lambda key=letter: views.show_axis_view(key), letter, "", tr("Look along an axis of the world")
+            )
+            self.axis_views.append(action)
+        self.parallel = self._make(
+            tr("Para&llel projection"), views.set_parallel, "O", "", tr("Without perspective"), checkable=True
+        )
+        self.scenery = {
+            name: self._make(
+                words, lambda on, key=name: views.show_scenery(key, on), keys, icon, tooltip, checkable=True
+            )
+            for name, words, keys, icon, tooltip in (
+                ("box", tr("&Box"), "B", "bounding-box", tr("Outline of the volume")),
+                ("axes", tr("A&xes with units"), "X", "ruler", tr("Axes around the volume, in world units")),
+                ("marker", tr("&Orientation marker"), "M", "compass", tr("Directions of the world, in the corner")),
+                ("bar", tr("&Colour bar"), "C", "", tr("Colours of the values")),
+            )
+        }
+        self.full_screen = self._make(
+            tr("&Full screen"), w.set_full_screen, standard.FullScreen, "corners-out", tr("Use the whole screen"), checkable=True
+        )
+        if self.full_screen.shortcut().isEmpty():
+            self.full_screen.setShortcut("F11")
+        self.reset_layout = self._make(
+            tr("Reset la&yout"), w.reset_layout, "", "", tr("All panels back to their places")
+        )
+
+        self.techniques: list[QAction] = []
+        group = QActionGroup(self)
+        for number, info in enumerate(drawing_techniques(), start=1):
+            action = self._make(
+                info.label,
+                lambda _on=True, key=info.id: choose_technique(w.store, key),
+                str(number) if number <= 9 else "",
+                "",
+                info.summary,
+                checkable=True,
+            )
+            action.setData(info.id)
+            group.addAction(action)
+            self.techniques.append(action)
+        self.finer = self._make(
+            tr("&More slices, smaller steps"), lambda: views.refine(1), ["+", "="], "", tr("Sample the volume more finely")
+        )
+        self.coarser = self._make(
+            tr("&Fewer slices, larger steps"), lambda: views.refine(-1), "-", "", tr("Sample the volume more coarsely")
+        )
+        self.machinery = self._make(
+            tr("&View the machinery"), views.toggle_machinery, "W", "", tr("Wireframe, or what else the technique can show")
+        )
+        self.reset_settings = self._make(
+            tr("&Reset settings"), views.reset_settings, "", "", tr("All settings of this technique back to their defaults")
+        )
+
+        self.shortcuts = self._make(tr("&Shortcuts"), w.show_shortcuts, ["?", "F1"], "keyboard", tr("Keys and mouse"))
+        self.about = self._make(tr("&About VolViz"), w.show_about, "", "info", tr("Version and licence"))
+
+    def groups(self) -> list[tuple[str, list[QAction]]]:
+        """The commands by menu, for the page of shortcuts."""
+        tr = self.tr
+        return [
+            (tr("File"), [self.open, self.open_folder, self.export_picture, self.copy_picture, self.quit]),
+            (tr("Edit"), [self.undo, self.redo, self.preferences]),
+            (
+                tr("View"),
+                [self.reset_camera, *self.axis_views, self.parallel, *self.scenery.values(), self.full_screen],
+            ),
+            (tr("Technique"), [*self.techniques, self.finer, self.coarser, self.machinery]),
+            (tr("Help"), [self.shortcuts]),
+        ]
+
+    def _make(
+        self,
+        words: str,
+        slot: Callable[..., object],
+        keys: Keys,
+        icon: str,
+        tooltip: str,
+        *,
+        checkable: bool = False,
+    ) -> QAction:
+        action = QAction(words, self._window)
+        if isinstance(keys, list):
+            action.setShortcuts([QKeySequence(key) for key in keys])
+        elif keys:
+            action.setShortcut(keys)
+        key_words = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
+        action.setToolTip(f"{tooltip} ({key_words})" if key_words else tooltip)
+        action.setStatusTip("")
+        action.setCheckable(checkable)
+        if icon:
+            set_icon(action, icon)
+        if checkable:
+            action.triggered.connect(slot)
+        else:
+            action.triggered.connect(lambda _checked=False: slot())
+        # the window must know the action even when no menu shows it: its keys act everywhere
+        self._window.addAction(action)
+        return action

@@ -1,0 +1,88 @@
+"""The two ways in which a widget and the store are tied together; there is no third.
+
+`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both hold the
+widget weakly: a closed panel disappears although the store lives on.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
+
+from PySide6.QtCore import QObject, QSignalBlocker, SignalInstance
+from shiboken6 import isValid
+
+from volviz.model.scene import Scene, Store
+
+Value = TypeVar("Value")
+
+
+def show_value(
+    store: Store, read: Callable[[Scene], Value], apply: Callable[[Value], object], *, now: bool = True
+) -> None:
+    """Call `apply` with a value of the scene whenever that value is another one.
+
+    Parameters
+    ----------
+    store : Store
+        Where the scene is.
+    read : callable
+        Takes a scene, gives the value. Must not refer to the widget, or the widget stays alive.
+    apply : bound method of a QObject
+        Takes the value; the object's signals are blocked meanwhile, so that showing a value never sends it back.
+    now : bool
+        Also call it at once with the present value.
+    """
+    method = weakref.WeakMethod(apply)  # type: ignore[type-var]
+
+    def deliver(value: Value) -> None:
+        call = method()
+        owner = None if call is None else call.__self__
+        if owner is None or (isinstance(owner, QObject) and not isValid(owner)):
+            store.changed.disconnect(on_changed, missing_ok=True)
+            return
+        if isinstance(owner, QObject):
+            blocker = QSignalBlocker(owner)
+            try:
+                call(value)
+            finally:
+                blocker.unblock()
+        else:
+            call(value)
+
+    def on_changed(old: Scene, new: Scene) -> None:
+        before, after = read(old), read(new)
+        if before is not after and before != after:
+            deliver(after)
+
+    store.changed.connect(on_changed)
+    if now:
+        deliver(read(store.scene))
+
+
+def send_value(
+    signal: SignalInstance,
+    store: Store,
+    write: Callable[[Scene, Any], Scene],
+    *,
+    label: str,
+    gesture: Hashable | None = None,
+) -> None:
+    """Make every value that a widget emits a change of the scene.
+
+    Parameters
+    ----------
+    signal : Qt signal with one argument
+        Emitted by the widget when the user has changed it.
+    store : Store
+        What is changed.
+    write : callable
+        Takes a scene and the value, gives the new scene. Must not refer to the widget.
+    label : str
+        Words for the undo menu.
+    gesture : hashable, optional
+        Changes between two calls of `Store.end_gesture` are one step of the history.
+    """
+    # the connection belongs to the widget and ends with it; nothing in it refers to the widget
+    signal.connect(lambda value: store.update(lambda scene: write(scene, value), label=label, gesture=gesture))

@@ -1,0 +1,64 @@
+"""Preferences: theme and quality while moving; every choice acts at once."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+
+from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.panels.panel import quiet_label
+
+
+class PreferencesDialog(QDialog):
+    """Two lists; nothing has to be confirmed."""
+
+    theme_chosen = Signal(str)
+    quality_chosen = Signal(str)
+
+    def __init__(self, theme: str, quality: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(self.tr("Preferences"))
+        self.theme = self._list(
+            (("system", self.tr("As the system")), ("light", self.tr("Light")), ("dark", self.tr("Dark"))), theme
+        )
+        self.theme.setToolTip(self.tr("Colours of the window"))
+        self.quality = self._list(quality_choices(self), quality)
+        self.quality.setToolTip(self.tr("How much is given up while something moves"))
+        self.theme.currentIndexChanged.connect(lambda: self.theme_chosen.emit(self.theme.currentData()))
+        self.quality.currentIndexChanged.connect(lambda: self.quality_chosen.emit(self.quality.currentData()))
+        form = QFormLayout()
+        form.setHorizontalSpacing(16)
+        form.setVerticalSpacing(8)
+        form.addRow(self.tr("Theme"), self.theme)
+        form.addRow(self.tr("Quality while moving"), self.quality)
+        hint: QLabel = quiet_label(
+            self.tr("At rest the picture is always complete; movies and exported pictures are too.")
+        )
+        hint.setWordWrap(True)
+        form.addRow(hint)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
+        buttons.rejected.connect(self.reject)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(24, 20, 24, 16)
+        layout.setSpacing(16)
+        layout.addLayout(form)
+        layout.addStretch(1)
+        layout.addWidget(buttons)
+        self.setMinimumWidth(400)
+
+    def _list(self, choices: tuple[tuple[str, str], ...], chosen: str) -> CalmComboBox:
+        box = CalmComboBox(self)
+        box.setMinimumContentsLength(16)
+        for value, label in choices:
+            box.addItem(label, value)
+        box.setCurrentIndex(max(box.findData(chosen), 0))
+        return box
+
+
+def quality_choices(widget: QWidget) -> tuple[tuple[str, str], ...]:
+    """Value and label of each quality, in the language of the window."""
+    return (
+        ("balanced", widget.tr("Balanced")),
+        ("fast", widget.tr("Fast")),
+        ("full", widget.tr("Full quality")),
+    )

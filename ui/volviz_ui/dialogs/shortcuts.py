@@ -1,0 +1,74 @@
+"""The page of shortcuts (`?`): keys as the actions have them, and what the mouse does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+
+from volviz_ui.panels.panel import quiet_label
+
+
+class ShortcutsDialog(QDialog):
+    """Two columns: keys, and the mouse.
+
+    Parameters
+    ----------
+    groups : iterable of (heading, actions)
+        The menus; actions without a key are left out.
+    """
+
+    def __init__(self, groups: Iterable[tuple[str, list[QAction]]], parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(self.tr("Shortcuts"))
+        columns = QHBoxLayout()
+        columns.setSpacing(40)
+        filled = [(title, [a for a in actions if not a.shortcut().isEmpty()]) for title, actions in groups]
+        filled = [(title, actions) for title, actions in filled if actions]
+        total = sum(len(actions) + 2 for _title, actions in filled)
+        left, right = QVBoxLayout(), QVBoxLayout()
+        used = 0
+        for title, actions in filled:
+            rows = [(a.text().replace("&", ""), _keys(a)) for a in actions]
+            (left if used < total / 2 else right).addLayout(self._table(title, rows))
+            used += len(actions) + 2
+        right.addLayout(self._table(self.tr("Mouse in the viewport"), self._mouse()))
+        for column in (left, right):
+            column.setSpacing(16)
+            column.addStretch(1)
+            columns.addLayout(column)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
+        buttons.rejected.connect(self.reject)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(24, 20, 24, 16)
+        layout.setSpacing(16)
+        layout.addLayout(columns)
+        layout.addWidget(buttons)
+
+    def _mouse(self) -> list[tuple[str, str]]:
+        return [
+            (self.tr("Turn the volume"), self.tr("Left drag")),
+            (self.tr("Push the volume"), self.tr("Shift + left drag")),
+            (self.tr("Zoom"), self.tr("Wheel, middle drag")),
+            (self.tr("Move the light (or zoom)"), self.tr("Right drag")),
+            (self.tr("Distance of the light"), self.tr("Ctrl + wheel")),
+            (self.tr("Slider back to its default"), self.tr("Double-click")),
+            (self.tr("Open a file or folder"), self.tr("Drop it on the window")),
+        ]
+
+    def _table(self, title: str, rows: list[tuple[str, str]]) -> QGridLayout:
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(24)
+        grid.setVerticalSpacing(4)
+        heading = QLabel(f"<b>{title}</b>")
+        grid.addWidget(heading, 0, 0, 1, 2)
+        for number, (words, keys) in enumerate(rows, start=1):
+            grid.addWidget(QLabel(words), number, 0)
+            grid.addWidget(quiet_label(keys), number, 1)
+        grid.setColumnStretch(0, 1)
+        return grid
+
+
+def _keys(action: QAction) -> str:
+    return ",  ".join(sequence.toString(sequence.SequenceFormat.NativeText) for sequence in action.shortcuts())

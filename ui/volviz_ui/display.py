@@ -1,0 +1,283 @@
+"""Between the store and the picture: every change of the scene becomes one update of what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
+from PySide6.QtWidgets import QApplication
+
+from volviz.model.camera import Camera
+from volviz.model.light import default_position
+from volviz.model.scene import Scene, Store
+from volviz.model.volume import Volume
+from volviz.offscreen import default_camera
+from volviz_ui.camera_moves import light_moved, light_turned
+from volviz_ui.documents import Documents
+from volviz_ui.pacer import Pacer
+from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.viewport import Viewport
+
+BUTTON_POLL_MS = 40
+"""How often it is asked whether a drag in a panel is over."""
+
+AddVolume = Callable[..., Any]
+
+
+class Display(QObject):
+    """Keeps one viewport showing the first view of the scene.
+
+    Parameters
+    ----------
+    store : Store
+        The scene.
+    documents : Documents
+        Where the volume of the scene is.
+    viewport : Viewport
+        Where it is shown.
+    add_volume : callable
+        `volviz.add_volume`.
+    """
+
+    failed = Signal(object)
+    recovered = Signal()
+    status_changed = Signal(object)
+    _status_arrived = Signal(object)
+
+    def __init__(
+        self,
+        store: Store,
+        documents: Documents,
+        viewport: Viewport,
+        add_volume: AddVolume,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._documents = documents
+        self._viewport = viewport
+        self._add_volume = add_volume
+        self._quality = "balanced"
+        self._last_error: BaseException | None = None
+        self.handle: Any = None
+        self.pacer = Pacer(self)
+        self.pacer.completed.connect(viewport.render)
+        self.pacer.failed.connect(self._on_failed)
+        self._gestures = 0
+        self._button_watch = QTimer(self)
+        self._button_watch.setInterval(BUTTON_POLL_MS)
+        self._button_watch.timeout.connect(self._on_button_watch)
+        # the host tells its status while it draws; what listens must not run inside the drawing
+        self._status_arrived.connect(self.status_changed, Qt.ConnectionType.QueuedConnection)
+        viewport.gesture_started.connect(self.begin_gesture)
+        viewport.gesture_finished.connect(self.end_gesture)
+        viewport.camera_committed.connect(self._on_camera_committed)
+        viewport.light_dragged.connect(self._on_light_dragged)
+        viewport.light_wheeled.connect(self._on_light_wheeled)
+        viewport.frame_drawn.connect(self._on_frame_drawn)
+        documents.volume_changed.connect(self._on_volume_changed)
+        store.changed.connect(self._on_scene_changed)
+
+    # ------------------------------------------------------------------ gestures
+
+    def begin_gesture(self) -> None:
+        """Something is being dragged: draw fast, complete nothing."""
+        self._gestures += 1
+        if self._gestures == 1:
+            self.pacer.hold()
+            if self.handle is not None:
+                self.handle.begin_interaction()
+
+    def end_gesture(self) -> None:
+        """It is over."""
+        if self._gestures == 0:
+            return
+        self._gestures -= 1
+        if self._gestures == 0:
+            if self.handle is not None:
+                self.handle.end_interaction()
+            self.pacer.release()
+            self._viewport.render()
+
+    def _on_button_watch(self) -> None:
+        if QApplication.mouseButtons() == Qt.MouseButton.NoButton:
+            self._button_watch.stop()
+            self.end_gesture()
+
+    def _note_possible_drag(self) -> None:
+        """A change while a mouse button is down is part of a drag, in whichever panel it happens."""
+        if self._button_watch.isActive() or self._viewport.is_moving:
+            return
+        if QApplication.mouseButtons() != Qt.MouseButton.NoButton:
+            self.begin_gesture()
+            self._button_watch.start()
+
+    # ------------------------------------------------------------------ quality, status
+
+    @property
+    def quality(self) -> str:
+        """How much is given up while something moves: "balanced", "fast" or "full"."""
+        return self._quality
+
+    @quality.setter
+    def quality(self, quality: str) -> None:
+        self._quality = quality
+        if self.handle is not None:
+            self.handle.update(quality=quality)
+            self._viewport.render()
+
+    @property
+    def status(self) -> Any:
+        """What the host says about the last picture, None without one."""
+        return None if self.handle is None else self.handle.status
+
+    def complete(self) -> None:
+        """Finish the picture now, however long it takes."""
+        if self.handle is not None:
+            while not self.handle.refine(budget=1.0):
+                pass
+            self._viewport.repaint()
+
+    # ------------------------------------------------------------------ from the scene to the picture
+
+    def _on_volume_changed(self, volume: Volume | None) -> None:
+        scene = self._store.scene
+        if volume is None or scene.layer is None:
+            self._remove()
+            self._viewport.render()
+            return
+        self._apply(lambda: self._show_volume(volume, scene))
+
+    def _show_volume(self, volume: Volume, scene: Scene) -> None:
+        values = {
+            "technique": current_technique(scene).id,
+            "transfer_function": scene.layer.transfer_function if scene.layer else None,
+            "settings": current_settings(scene),
+            "light": scene.light,
+            "clipping": scene.clipping,
+        }
+        if self.handle is None:
+            self.handle = self._add_volume(self._viewport, volume, pacer=self.pacer, **values)
+            self.handle.update(quality=self._quality)
+            self.handle.on_status.append(self._status_arrived.emit)
+        else:
+            self.handle.update(volume=volume, **values)
+        self._frame_scene(volume, scene)
+
+    def _frame_scene(self, volume: Volume, scene: Scene) -> None:
+        camera = scene.view.camera
+        if camera is None:
+            camera = default_camera(volume, self._viewport.pixel_size)
+            self._commit(camera)
+        self._viewport.show_camera(camera)
+        self._viewport.light_is_movable = "light" in current_technique(scene).handles
+
+    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
+        if self.handle is None or not self._documents.is_ready_for(new):
+            return
+        if not self._documents.is_ready_for(old):
+            return  # the volume changes: `_on_volume_changed` shows all of it at once
+        changes: dict[str, Any] = {}
+        if old.view.technique != new.view.technique:
+            changes["technique"] = current_technique(new).id
+            changes["settings"] = current_settings(new)
+            self._viewport.light_is_movable = "light" in current_technique(new).handles
+        elif current_settings(old) != current_settings(new):
+            changes["settings"] = current_settings(new)
+        if old.layer is not None and new.layer is not None:
+            function = new.layer.transfer_function
+            if old.layer.transfer_function is not function:
+                changes["transfer_function"] = function
+        if old.light != new.light:
+            changes["light"] = new.light
+        if old.clipping != new.clipping:
+            changes["clipping"] = new.clipping
+        camera = new.view.camera
+        if camera is not None and camera != old.view.camera and not self._viewport.is_moving:
+            self._viewport.show_camera(camera)
+        elif camera is None and self._documents.volume is not None:
+            self._frame_scene(self._documents.volume, new)
+        if changes:
+            self._note_possible_drag()
+            self._apply(lambda: self.handle.update(**changes))
+
+    def _apply(self, change: Callable[[], Any]) -> None:
+        try:
+            change()
+        except Exception as error:  # noqa: BLE001 - the window shows what went wrong and goes on
+            self._on_failed(error)
+        self._viewport.render()
+
+    # ------------------------------------------------------------------ from the picture to the scene
+
+    def show_camera(self, camera: Camera) -> None:
+        """Look from another place and remember it."""
+        self._viewport.show_camera(camera)
+        self._commit(camera)
+
+    def _commit(self, camera: Camera) -> None:
+        self._store.update(lambda scene: scene.with_view(camera=camera), label="Camera", record=False)
+
+    def _on_camera_committed(self, camera: Camera) -> None:
+        if self._documents.volume is not None:
+            self._commit(camera)
+        self._store.end_gesture()
+
+    def _on_light_dragged(self, dx: float, dy: float) -> None:
+        volume = self._documents.volume
+        if volume is None:
+            return
+        camera, size = self._viewport.view_camera, (self._viewport.width(), self._viewport.height())
+        self._move_light(
+            lambda position: light_turned(position, volume.center, camera, dx, dy, size)
+        )
+
+    def _on_light_wheeled(self, factor: float) -> None:
+        volume = self._documents.volume
+        if volume is None:
+            return
+        radius = 0.5 * sum(length**2 for length in volume.extent) ** 0.5
+        self._move_light(lambda position: light_moved(position, volume.center, factor, radius))
+
+    def _move_light(self, move: Callable[[Any], Any]) -> None:
+        from dataclasses import replace
+
+        volume = self._documents.volume
+        light = self._store.scene.light
+        if volume is None:
+            return
+        position = light.position if light.position is not None else default_position(volume.bounds)
+        moved = replace(light, headlight=False, position=move(position))
+        self._store.update(
+            lambda scene: replace(scene, light=moved), label=self.tr("Move the light"), gesture="light"
+        )
+
+    # ------------------------------------------------------------------ errors, end
+
+    def _on_frame_drawn(self) -> None:
+        error = None if self.handle is None else self.handle.error
+        if error is not self._last_error:
+            self._last_error = error
+            if error is None:
+                self.recovered.emit()
+            else:
+                self.failed.emit(error)
+
+    def _on_failed(self, error: object) -> None:
+        self.failed.emit(error)
+
+    def _remove(self) -> None:
+        self.pacer.stop()
+        if self.handle is not None:
+            self.handle.remove()
+            self.handle = None
+
+    def close(self) -> None:
+        """Release everything on the GPU while the context still lives."""
+        self._button_watch.stop()
+        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        window = self._viewport.render_window
+        if window is not None and self.handle is not None:
+            window.MakeCurrent()
+        self._remove()

@@ -1,0 +1,231 @@
+"""Opening volumes: on a worker, with progress and cancel; and finding them again when the history goes back."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+
+from volviz.model.scene import Layer, Scene, Store, VolumeRef
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+from volviz_ui.volume_cache import VolumeCache, content_id
+from volviz_ui.workers import Task, Workers
+
+SAMPLE_PREFIX = "sample:"
+
+
+@dataclass(frozen=True)
+class Opened:
+    """What a worker brings: the volume and how to show it at first."""
+
+    ref: VolumeRef
+    volume: Volume
+    transfer_function: TransferFunction
+    technique: str | None = None
+    settings: Any = None
+
+
+class Documents(QObject):
+    """Keeps the volume of the scene at hand.
+
+    `volume_changed` carries the volume that belongs to the scene; until it is there (a file is being read again
+    after undo) the former one stays.
+    """
+
+    volume_changed = Signal(object)
+    loading_started = Signal(str)
+    loading_progressed = Signal(float, str)
+    loading_ended = Signal()
+    opened = Signal(object)
+    failed = Signal(str, object)
+    """What was to be opened, and the error."""
+
+    def __init__(self, store: Store, workers: Workers, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._workers = workers
+        self.cache = VolumeCache()
+        self._volume: Volume | None = None
+        self._shown: tuple[Layer, ...] = ()
+        self._awaited: VolumeRef | None = None
+        self._task: Task | None = None
+        self._way_back: Callable[[], bool] | None = None
+        store.changed.connect(self._on_scene_changed)
+
+    # ------------------------------------------------------------------ asking
+
+    @property
+    def volume(self) -> Volume | None:
+        """The volume that is shown now."""
+        return self._volume
+
+    def is_ready_for(self, scene: Scene) -> bool:
+        """Whether the volume of that scene is the one at hand."""
+        return scene.layer is not None and bool(self._shown) and scene.layer.volume == self._shown[0].volume
+
+    @property
+    def is_loading(self) -> bool:
+        """Whether a volume is being read."""
+        return self._task is not None
+
+    # ------------------------------------------------------------------ opening
+
+    def open(self, source: str | os.PathLike[str], **hints: Any) -> None:
+        """Read a file, folder or ``sample:<id>`` and show it; the newest wish wins."""
+        text = os.fspath(source)
+        if not text.startswith(SAMPLE_PREFIX):
+            text = str(Path(text).absolute())
+        ref = VolumeRef(text, tuple(sorted(hints.items())), content_id(text))
+        self._way_back = None
+        self._start(ref, first=True)
+
+    def cancel(self) -> None:
+        """Give up what is being read."""
+        if self._task is not None:
+            self._task.cancel()
+            self._end()
+            self._return_to_shown()
+
+    def undo(self) -> None:
+        """One step back; a file that has left the cache is read again."""
+        self._way_back = self._store.redo
+        self._store.undo()
+
+    def redo(self) -> None:
+        """One step forward again."""
+        self._way_back = self._store.undo
+        self._store.redo()
+
+    def close(self) -> None:
+        """Stop listening and let go of all volumes."""
+        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._task = None
+        self._volume = None
+        self.cache.clear()
+
+    # ------------------------------------------------------------------ inside
+
+    def _start(self, ref: VolumeRef, *, first: bool) -> None:
+        name = title_of(ref)
+        task = self._workers.start(lambda task: open_volume(ref, task), label=name, key="load")
+        self._task = task
+        task.progressed.connect(self.loading_progressed)
+        task.succeeded.connect(self._on_first_loaded if first else self._on_loaded_again)
+        task.failed.connect(lambda error: self._on_failed(task, error))
+        self.loading_started.emit(name)
+
+    def _end(self) -> None:
+        self._task = None
+        self._awaited = None
+        self.loading_ended.emit()
+
+    def _on_first_loaded(self, opened: Opened) -> None:
+        self._end()
+        self.cache.put(opened.ref, opened.volume)
+        is_first = self._store.scene.layer is None
+        self._store.update(
+            lambda scene: scene_with(scene, opened),
+            label=self.tr("Open %1").replace("%1", opened.volume.name),
+        )
+        if is_first:
+            # there is nothing to go back to: an empty window is not a state anybody made
+            self._store.clear_history()
+        self.opened.emit(opened)
+
+    def _on_loaded_again(self, opened: Opened) -> None:
+        self._end()
+        self._way_back = None
+        self.cache.put(opened.ref, opened.volume)
+        self._show_if_there(self._store.scene)
+
+    def _on_failed(self, task: Task, error: Exception) -> None:
+        if task is not self._task:
+            return
+        awaited = self._awaited
+        self._end()
+        self.failed.emit(task.label, error)
+        if awaited is not None:
+            self._return_to_shown()
+
+    def _return_to_shown(self) -> None:
+        """Make the scene show again what is at hand, after a file of the history could not be read."""
+        if self.is_ready_for(self._store.scene) or not self._shown:
+            return
+        way_back, self._way_back = self._way_back, None
+        if way_back is not None:
+            way_back()
+        if not self.is_ready_for(self._store.scene):
+            layers = self._shown
+            self._store.update(lambda scene: replace(scene, layers=layers), label=self.tr("Keep the volume"))
+
+    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
+        if new.layers and self.is_ready_for(new):
+            self._shown = new.layers
+            if self._awaited is not None:
+                self._workers.cancel("load")
+                self._end()
+        elif new.layer is None or old.layer is None or new.layer.volume != self._awaited:
+            self._show_if_there(new)
+
+    def _show_if_there(self, scene: Scene) -> None:
+        if scene.layer is None:
+            self._volume, self._shown = None, ()
+            self.volume_changed.emit(None)
+            return
+        volume = self.cache.get(scene.layer.volume)
+        if volume is None:
+            self._awaited = scene.layer.volume
+            self._start(scene.layer.volume, first=False)
+            self._awaited = scene.layer.volume
+            return
+        self._shown = scene.layers
+        self._volume = volume
+        self.volume_changed.emit(volume)
+
+
+def title_of(ref: VolumeRef) -> str:
+    """What to call a source before it has been read."""
+    if ref.source.startswith(SAMPLE_PREFIX):
+        return ref.source.removeprefix(SAMPLE_PREFIX)
+    return Path(ref.source).name or ref.source
+
+
+def open_volume(ref: VolumeRef, task: Task) -> Opened:
+    """Read a volume and choose how to show it at first. Runs on a worker."""
+    from volviz.io import load
+
+    task.report(-1.0, "")
+    volume = load(ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints))
+    # lazily computed and needed by every panel: done here, not in the window
+    _ = volume.range
+    preset_id = suggested_preset(ref)
+    if preset_id is None:
+        return Opened(ref, volume, TransferFunction.auto(volume))
+    from volviz.model.presets import preset, preset_for
+
+    chosen = preset(preset_id)
+    return Opened(ref, volume, preset_for(chosen, volume), chosen.technique, chosen.settings)
+
+
+def suggested_preset(ref: VolumeRef) -> str | None:
+    """The preset that a bundled sample looks best with."""
+    if not ref.source.startswith(SAMPLE_PREFIX):
+        return None
+    from volviz.io.samples import samples
+
+    wanted = ref.source.removeprefix(SAMPLE_PREFIX)
+    return next((sample.preset for sample in samples() if sample.id == wanted), None)
+
+
+def scene_with(scene: Scene, opened: Opened) -> Scene:
+    """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
+    layer = Layer(opened.ref, opened.transfer_function, opened.volume.name)
+    views = tuple(replace(view, camera=None) for view in scene.views)
+    clipping = replace(scene.clipping, crop=None, planes=())
+    light = replace(scene.light, position=None)
+    return replace(scene, layers=(layer,), views=views, clipping=clipping, light=light)

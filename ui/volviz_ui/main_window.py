@@ -1,0 +1,353 @@
+"""The window: viewport in the middle, panels around it, one store that they all observe."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QPointF, Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
+from PySide6.QtWidgets import QMainWindow
+
+from volviz.errors import InputError
+from volviz.model.scene import Store
+from volviz.model.volume import Volume
+from volviz_ui.actions import Actions
+from volviz_ui.app_icon import app_icon
+from volviz_ui.banner import Banner
+from volviz_ui.binding import show_value
+from volviz_ui.dialogs.about import AboutDialog
+from volviz_ui.dialogs.error import sentence_of, show_error
+from volviz_ui.dialogs.preferences import PreferencesDialog
+from volviz_ui.dialogs.shortcuts import ShortcutsDialog
+from volviz_ui.display import AddVolume, Display
+from volviz_ui.dock import Dock
+from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
+from volviz_ui.file_commands import FileCommands
+from volviz_ui.menus import Menus
+from volviz_ui.panels.data import DataPanel
+from volviz_ui.panels.technique import TechniquePanel
+from volviz_ui.panels.technique_box import current_technique
+from volviz_ui.picking import picked_voxel
+from volviz_ui.preferences import Preferences
+from volviz_ui.scenery import Scenery
+from volviz_ui.status_line import StatusLine
+from volviz_ui.theme import Theme
+from volviz_ui.transfer_editor import TransferEditor
+from volviz_ui.view_commands import ViewCommands
+from volviz_ui.viewport import Viewport
+from volviz_ui.workers import Workers
+
+PICK_DELAY_MS = 25
+LAYOUT_VERSION = 1
+SHOWN_AT_FIRST = {"box": False, "axes": False, "marker": True, "bar": False}
+
+
+class MainWindow(QMainWindow):
+    """Puts everything together; holds no state of its own.
+
+    Parameters
+    ----------
+    theme : Theme
+        The theme of the application.
+    preferences : Preferences, optional
+        What is remembered between two starts.
+    add_volume : callable, optional
+        `volviz.add_volume`, or what stands in for it.
+    """
+
+    def __init__(
+        self,
+        theme: Theme,
+        preferences: Preferences | None = None,
+        add_volume: AddVolume | None = None,
+    ) -> None:
+        super().__init__()
+        if add_volume is None:
+            from volviz.custom_gl.host import add_volume as real
+
+            add_volume = real
+        self.theme = theme
+        self.preferences = preferences if preferences is not None else Preferences()
+        self.store = Store()
+        self.workers = Workers(self)
+        self.documents = Documents(self.store, self.workers, self)
+        self.setWindowIcon(app_icon())
+        self.setWindowTitle("VolViz")
+        self.setAcceptDrops(True)
+        self.setDockOptions(
+            QMainWindow.DockOption.AllowTabbedDocks
+            | QMainWindow.DockOption.AllowNestedDocks
+            | QMainWindow.DockOption.AnimatedDocks
+        )
+
+        self.viewport = Viewport(self)
+        self.setCentralWidget(self.viewport)
+        self.scenery = Scenery(self.viewport)
+        self.display = Display(self.store, self.documents, self.viewport, add_volume, self)
+        self.banner = Banner(self.viewport)
+        self.status_line = StatusLine(self)
+        self.setStatusBar(self.status_line)
+
+        self.data_panel = DataPanel(self.store, self.workers, self)
+        self.technique_panel = TechniquePanel(self.store, self)
+        self.transfer_editor = TransferEditor(self.store, self)
+        self.docks = self._make_docks()
+        self.file_commands = FileCommands(self)
+        self.view_commands = ViewCommands(self)
+        self.actions_ = Actions(self)
+        self.menus = Menus(self)
+        self._last_error: BaseException | None = None
+        self._pointer: QPointF | None = None
+        self._pick_timer = QTimer(self)
+        self._pick_timer.setSingleShot(True)
+        self._pick_timer.setInterval(PICK_DELAY_MS)
+        self._pick_timer.timeout.connect(self._pick)
+
+        self._connect()
+        self._restore()
+
+    # ------------------------------------------------------------------ putting together
+
+    def _make_docks(self) -> list[Dock]:
+        data = Dock("data_dock", self.tr("Data"), self.data_panel, self)
+        technique = Dock("technique_dock", self.tr("Technique"), self.technique_panel, self)
+        transfer = Dock("transfer_dock", self.tr("Transfer function"), self.transfer_editor, self)
+        self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
+        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
+        self.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, data)
+        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, technique)
+        self.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, transfer)
+        return [data, technique, transfer]
+
+    def _connect(self) -> None:
+        for panel in (self.data_panel, self.technique_panel):
+            panel.gesture_started.connect(self.display.begin_gesture)
+            panel.gesture_finished.connect(self.display.end_gesture)
+        self.documents.volume_changed.connect(self._on_volume_changed)
+        self.documents.opened.connect(self._on_opened)
+        self.documents.failed.connect(self._on_failed_to_open)
+        self.documents.loading_started.connect(self._on_loading_started)
+        self.documents.loading_progressed.connect(lambda fraction, _text: self.banner.set_progress(fraction))
+        self.documents.loading_ended.connect(self.banner.hide_progress)
+        self.banner.cancelled.connect(self.documents.cancel)
+        self.banner.details_wanted.connect(self._show_error_details)
+        self.display.failed.connect(self._on_drawing_failed)
+        self.display.recovered.connect(self._on_drawing_recovered)
+        self.display.status_changed.connect(self.status_line.show_status)
+        self.viewport.pointer_moved.connect(self._on_pointer_moved)
+        self.viewport.pointer_left.connect(self._on_pointer_left)
+        self.store.history_changed.connect(self._show_history)
+        show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
+        show_value(self.store, lambda scene: scene.background, self._show_background)
+        show_value(self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function)
+        show_value(
+            self.store, lambda scene: bool(scene.view.camera and scene.view.camera.parallel), self._show_projection
+        )
+        self._show_history()
+
+    def _restore(self) -> None:
+        for name, default in SHOWN_AT_FIRST.items():
+            shown = self.preferences.shows(name, default)
+            self.actions_.scenery[name].setChecked(shown)
+            self.scenery.show(name, shown)
+        self.set_quality(self.preferences.quality)
+        self.resize(1400, 900)
+        self.reset_layout()
+        kept = self.preferences.window
+        if kept is not None:
+            self.restoreGeometry(kept[0])
+            self.restoreState(kept[1], LAYOUT_VERSION)
+
+    def reset_layout(self) -> None:
+        """All panels docked, where they belong."""
+        areas = (
+            Qt.DockWidgetArea.LeftDockWidgetArea,
+            Qt.DockWidgetArea.RightDockWidgetArea,
+            Qt.DockWidgetArea.BottomDockWidgetArea,
+        )
+        for dock, area in zip(self.docks, areas, strict=True):
+            dock.setFloating(False)
+            self.addDockWidget(area, dock)
+            dock.show()
+        self.resizeDocks(self.docks[:2], [272, 328], Qt.Orientation.Horizontal)
+        self.resizeDocks(self.docks[2:], [236], Qt.Orientation.Vertical)
+
+    # ------------------------------------------------------------------ opening
+
+    def open(self, source: str) -> None:
+        """Open a file, a folder or ``sample:<id>``."""
+        if source.startswith(SAMPLE_PREFIX):
+            self.documents.open(source)
+        else:
+            self.file_commands.open_path(source)
+
+    def _on_loading_started(self, name: str) -> None:
+        self.banner.show_progress(self.tr("Loading %1…").replace("%1", name))
+
+    def _on_opened(self, opened: Opened) -> None:
+        if not opened.ref.source.startswith(SAMPLE_PREFIX):
+            self.preferences.add_recent(opened.ref)
+
+    def _on_failed_to_open(self, name: str, error: BaseException) -> None:
+        show_error(self, self.tr("%1 was not opened").replace("%1", name), error)
+
+    def _on_volume_changed(self, volume: Volume | None) -> None:
+        layer = self.store.scene.layer
+        self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
+        self.scenery.set_volume(volume, layer.transfer_function if layer else None)
+        self.data_panel.set_volume(volume)
+        self.technique_panel.set_volume(volume)
+        self.transfer_editor.set_volume(volume)
+        self.status_line.show_volume(volume)
+
+    # ------------------------------------------------------------------ showing
+
+    def _show_technique(self, technique: str) -> None:
+        self.status_line.show_technique(current_technique(self.store.scene).label)
+        for action in self.actions_.techniques:
+            action.setChecked(action.data() == technique)
+
+    def _show_background(self, color: Any) -> None:
+        self.scenery.set_background(color)
+
+    def _show_function(self, function: Any) -> None:
+        if self.documents.is_ready_for(self.store.scene):
+            self.scenery.set_function(function)
+
+    def _show_projection(self, parallel: bool) -> None:
+        self.actions_.parallel.setChecked(parallel)
+
+    def _show_history(self) -> None:
+        for action, label, words in (
+            (self.actions_.undo, self.store.undo_label, self.tr("&Undo")),
+            (self.actions_.redo, self.store.redo_label, self.tr("&Redo")),
+        ):
+            action.setEnabled(label is not None)
+            action.setText(words if label is None else f"{words} “{label}”")
+            key = action.shortcut().toString(action.shortcut().SequenceFormat.NativeText)
+            action.setToolTip(f"{action.text().replace('&', '')} ({key})")
+
+    def set_quality(self, quality: str) -> None:
+        """Give up more or less while something moves."""
+        self.preferences.quality = quality
+        self.display.quality = quality
+        self.menus.quality.setCurrentIndex(self.menus.quality.findData(quality))
+
+    def set_theme(self, choice: Any) -> None:
+        """Light, dark, or as the system."""
+        self.preferences.theme = choice
+        self.theme.choice = choice
+
+    def set_full_screen(self, on: bool) -> None:
+        """Use the whole screen, or the window again."""
+        self.setWindowState(
+            self.windowState() | Qt.WindowState.WindowFullScreen
+            if on
+            else self.windowState() & ~Qt.WindowState.WindowFullScreen
+        )
+
+    # ------------------------------------------------------------------ pointer
+
+    def _on_pointer_moved(self, position: QPointF) -> None:
+        self._pointer = position
+        if not self._pick_timer.isActive():
+            self._pick_timer.start()
+
+    def _on_pointer_left(self) -> None:
+        self._pointer = None
+        self.status_line.show_picked(None, "")
+
+    def _pick(self) -> None:
+        volume, layer = self.documents.volume, self.store.scene.layer
+        if self._pointer is None or volume is None or layer is None:
+            return
+        try:
+            picked = picked_voxel(
+                volume,
+                layer.transfer_function,
+                self.store.scene.clipping,
+                self.viewport.view_camera,
+                (self._pointer.x(), self._pointer.y()),
+                (self.viewport.width(), self.viewport.height()),
+            )
+        except InputError:
+            picked = None
+        self.status_line.show_picked(picked, volume.unit)
+
+    # ------------------------------------------------------------------ errors of drawing
+
+    def _on_drawing_failed(self, error: BaseException) -> None:
+        self._last_error = error
+        self.banner.show_error(sentence_of(error))
+
+    def _on_drawing_recovered(self) -> None:
+        if not self.banner.shows_progress:
+            self.banner.hide()
+
+    def _show_error_details(self) -> None:
+        if self._last_error is not None:
+            show_error(self, self.tr("The picture could not be drawn"), self._last_error)
+
+    # ------------------------------------------------------------------ dialogs
+
+    def show_preferences(self) -> PreferencesDialog:
+        """Open the preferences."""
+        dialog = PreferencesDialog(self.theme.choice, self.preferences.quality, self)
+        dialog.theme_chosen.connect(self.set_theme)
+        dialog.quality_chosen.connect(self.set_quality)
+        return self._opened_dialog(dialog)
+
+    def show_shortcuts(self) -> ShortcutsDialog:
+        """Open the page of shortcuts."""
+        return self._opened_dialog(ShortcutsDialog(self.actions_.groups(), self))
+
+    def show_about(self) -> AboutDialog:
+        """Say what this program is."""
+        return self._opened_dialog(AboutDialog(self._opengl(), self))
+
+    def _opened_dialog(self, dialog: Any) -> Any:
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def _opengl(self) -> str:
+        window = self.viewport.render_window
+        if window is None:
+            return ""
+        lines = window.ReportCapabilities().splitlines()
+        found = [line.split(":", 1)[1].strip() for line in lines if line.startswith("OpenGL renderer")]
+        return found[0] if found else ""
+
+    # ------------------------------------------------------------------ events
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Files and folders may be dropped anywhere on the window."""
+        if any(url.isLocalFile() for url in event.mimeData().urls()):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Open what was dropped."""
+        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        event.acceptProposedAction()
+        self.file_commands.open_dropped(paths)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape leaves the full screen."""
+        if event.key() == Qt.Key.Key_Escape and self.isFullScreen():
+            self.actions_.full_screen.setChecked(False)
+            self.set_full_screen(False)
+        else:
+            super().keyPressEvent(event)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Remember the layout; end the work and release the GPU while the context lives."""
+        if not self.isFullScreen():
+            self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
+        self._pick_timer.stop()
+        self.workers.close()
+        self.display.close()
+        self.documents.close()
+        self.viewport.close()
+        super().closeEvent(event)
+
+

@@ -1,0 +1,69 @@
+"""Lets the picture become complete a little at every turn of the event loop, and never during a gesture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+BUDGET_SECONDS = 0.03
+"""Time of one turn; the window answers in between."""
+
+
+class Pacer(QObject):
+    """What the host calls when the picture that it shows is not the complete one."""
+
+    completed = Signal()
+    """The complete picture is ready to be shown."""
+    failed = Signal(object)
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._handle: Any = None
+        self._held = False
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(0)
+        self._timer.timeout.connect(self._turn)
+
+    def request(self, handle: Any) -> None:
+        """Called by the host while it draws an incomplete picture."""
+        self._handle = handle
+        if not self._held:
+            self._timer.start()
+
+    def hold(self) -> None:
+        """A gesture has begun."""
+        self._held = True
+        self._timer.stop()
+
+    def release(self) -> None:
+        """The gesture is over."""
+        self._held = False
+        if self._handle is not None:
+            self._timer.start()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a picture is being completed."""
+        return self._timer.isActive()
+
+    def stop(self) -> None:
+        """Forget the handle: it is about to be removed."""
+        self._timer.stop()
+        self._handle = None
+
+    def _turn(self) -> None:
+        if self._handle is None or self._held:
+            return
+        try:
+            done = self._handle.refine(budget=BUDGET_SECONDS)
+        except Exception as error:  # noqa: BLE001 - whatever drawing raises is shown, the window goes on
+            self.stop()
+            self.failed.emit(error)
+            return
+        if done:
+            self._handle = None
+            self.completed.emit()
+        elif not self._timer.isActive():
+            self._timer.start()

@@ -1,0 +1,174 @@
+"""Clip planes: a slider moves each along its normal, two buttons turn it round and take it away."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import partial
+
+import numpy as np
+from PySide6.QtCore import QPoint, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
+
+from volviz.model.clipping import MAX_PLANES, Plane
+from volviz.model.scene import Scene, Store
+from volviz.model.volume import Volume
+from volviz_ui.binding import send_value, show_value
+from volviz_ui.editors.number import Scale, SliderField
+from volviz_ui.icons import set_icon
+from volviz_ui.panels.panel import small_button
+
+Planes = tuple[Plane, ...]
+
+
+class ClipPlanes(QWidget):
+    """The list of clip planes and a button that adds one."""
+
+    planes_changed = Signal(object)
+    gesture_started = Signal()
+    gesture_finished = Signal()
+
+    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._volume: Volume | None = None
+        self._dragging = False
+        self.rows: list[_PlaneRow] = []
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column.setSpacing(4)
+        self.add = QPushButton(self.tr("Add plane"), self)
+        self.add.setToolTip(self.tr("Cut away what lies on one side of a plane; up to six planes"))
+        set_icon(self.add, "plus")
+        self.add.clicked.connect(self._show_menu)
+        self._column.addWidget(self.add)
+        send_value(self.planes_changed, store, _with_planes, label=self.tr("Clip planes"), gesture="planes")
+        show_value(store, lambda scene: scene.clipping.planes, self.show_planes)
+        self.set_volume(None)
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Take the range of the sliders from another volume."""
+        self._volume = volume
+        self.setEnabled(volume is not None)
+        self._clear()
+        self.show_planes(self._store.scene.clipping.planes)
+
+    def show_planes(self, planes: Planes) -> None:
+        """Show all planes; rows stay when only their places have changed."""
+        if self._volume is None:
+            return
+        normals = [row.normal for row in self.rows]
+        if normals != [normal for _origin, normal in planes]:
+            self._clear()
+            for number, plane in enumerate(planes):
+                row = _PlaneRow(number, plane, self._volume, self)
+                row.moved.connect(partial(self._on_moved, number))
+                row.turned.connect(partial(self._on_turned, number))
+                row.removed.connect(partial(self._on_removed, number))
+                row.position.gesture_started.connect(self._on_pressed)
+                row.position.gesture_finished.connect(self._on_released)
+                self._column.insertWidget(number, row)
+                self.rows.append(row)
+        for row, plane in zip(self.rows, planes, strict=True):
+            row.show_plane(plane)
+        self.add.setEnabled(len(planes) < MAX_PLANES)
+        self.updateGeometry()
+
+    def add_plane(self, normal: tuple[float, float, float]) -> None:
+        """One more plane through the middle of the volume."""
+        if self._volume is not None:
+            self.planes_changed.emit((*self._planes(), (self._volume.center, normal)))
+            self._store.end_gesture()
+
+    def _planes(self) -> Planes:
+        return self._store.scene.clipping.planes
+
+    def _clear(self) -> None:
+        for row in self.rows:
+            self._column.removeWidget(row)
+            row.hide()
+            row.deleteLater()
+        self.rows = []
+
+    def _show_menu(self) -> None:
+        menu = QMenu(self)
+        for words, normal in (
+            (self.tr("Sagittal (left–right)"), (1.0, 0.0, 0.0)),
+            (self.tr("Coronal (front–back)"), (0.0, 1.0, 0.0)),
+            (self.tr("Axial (head–feet)"), (0.0, 0.0, -1.0)),
+        ):
+            menu.addAction(words).triggered.connect(partial(self.add_plane, normal))
+        camera = self._store.scene.view.camera
+        if camera is not None:
+            menu.addAction(self.tr("Facing the view")).triggered.connect(
+                partial(self.add_plane, camera.direction)
+            )
+        menu.exec(self.add.mapToGlobal(QPoint(0, self.add.height())))
+        menu.deleteLater()
+
+    def _on_pressed(self) -> None:
+        self._dragging = True
+        self.gesture_started.emit()
+
+    def _on_released(self) -> None:
+        self._dragging = False
+        self.gesture_finished.emit()
+
+    def _on_moved(self, number: int, origin: tuple[float, float, float]) -> None:
+        planes = list(self._planes())
+        planes[number] = (origin, planes[number][1])
+        self.planes_changed.emit(tuple(planes))
+        if not self._dragging:
+            self._store.end_gesture()
+
+    def _on_turned(self, number: int) -> None:
+        planes = list(self._planes())
+        origin, (x, y, z) = planes[number]
+        planes[number] = (origin, (-x, -y, -z))
+        self.planes_changed.emit(tuple(planes))
+        self._store.end_gesture()
+
+    def _on_removed(self, number: int) -> None:
+        planes = self._planes()
+        self.planes_changed.emit(planes[:number] + planes[number + 1 :])
+        self._store.end_gesture()
+
+
+class _PlaneRow(QWidget):
+    moved = Signal(object)
+    turned = Signal()
+    removed = Signal()
+
+    def __init__(self, number: int, plane: Plane, volume: Volume, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.normal = plane[1]
+        self._center = np.asarray(volume.center)
+        along = (volume.corners - self._center) @ np.asarray(self.normal)
+        low, high = float(along.min()), float(along.max())
+        self.position = SliderField(Scale(low, high), minimum=low, maximum=high, parent=self)
+        words = self.tr("Place of the plane along its normal, from the middle of the volume")
+        for part in (self.position.slider, self.position.field):
+            part.setToolTip(words)
+            part.setAccessibleName(words)
+        turn = small_button("arrows-left-right", self.tr("Keep the other side"), self)
+        remove = small_button("trash", self.tr("Remove this plane"), self)
+        turn.clicked.connect(self.turned)
+        remove.clicked.connect(self.removed)
+        self.position.value_changed.connect(self._on_value)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(4)
+        layout.addWidget(QLabel(str(number + 1), self))
+        layout.addWidget(self.position, 1)
+        layout.addWidget(turn)
+        layout.addWidget(remove)
+
+    def show_plane(self, plane: Plane) -> None:
+        self.position.set_value(float((np.asarray(plane[0]) - self._center) @ np.asarray(self.normal)))
+
+    def _on_value(self, value: float) -> None:
+        x, y, z = self._center + value * np.asarray(self.normal)
+        self.moved.emit((float(x), float(y), float(z)))
+
+
+def _with_planes(scene: Scene, planes: Planes) -> Scene:
+    return dataclasses.replace(scene, clipping=dataclasses.replace(scene.clipping, planes=planes))

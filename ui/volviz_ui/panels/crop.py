@@ -1,0 +1,130 @@
+"""The crop box: a range of voxels along each axis of the volume."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSpinBox, QWidget
+from superqt import QRangeSlider
+
+from volviz.model.clipping import Crop
+from volviz.model.scene import Scene, Store
+from volviz.model.volume import Volume
+from volviz_ui.binding import send_value, show_value
+
+
+class CropBox(QWidget):
+    """A range slider with two fields for each of x, y and z."""
+
+    crop_changed = Signal(object)
+    gesture_started = Signal()
+    gesture_finished = Signal()
+
+    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._dimensions: tuple[int, int, int] | None = None
+        self._dragging = False
+        self.sliders: list[QRangeSlider] = []
+        self.fields: list[tuple[QSpinBox, QSpinBox]] = []
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setHorizontalSpacing(6)
+        grid.setVerticalSpacing(4)
+        for row, axis in enumerate("xyz"):
+            tooltip = self.tr("Voxels along %1 that are shown, first and last").replace("%1", axis)
+            slider = QRangeSlider(Qt.Orientation.Horizontal, self)
+            slider.setMinimumWidth(56)
+            slider.setToolTip(tooltip)
+            slider.setAccessibleName(tooltip)
+            low, high = QSpinBox(self), QSpinBox(self)
+            for field in (low, high):
+                field.setKeyboardTracking(False)
+                field.setButtonSymbols(QSpinBox.ButtonSymbols.NoButtons)
+                field.setAlignment(Qt.AlignmentFlag.AlignRight)
+                field.setFixedWidth(46)
+                field.setToolTip(tooltip)
+                field.setAccessibleName(tooltip)
+                field.valueChanged.connect(self._on_field)
+            slider.valueChanged.connect(self._on_slider)
+            slider.sliderPressed.connect(self._on_pressed)
+            slider.sliderReleased.connect(self._on_released)
+            grid.addWidget(QLabel(axis, self), row, 0)
+            grid.addWidget(low, row, 1)
+            grid.addWidget(slider, row, 2)
+            grid.addWidget(high, row, 3)
+            self.sliders.append(slider)
+            self.fields.append((low, high))
+        grid.setColumnStretch(2, 1)
+        self.whole = QPushButton(self.tr("Whole volume"), self)
+        self.whole.setToolTip(self.tr("Show all voxels again"))
+        self.whole.clicked.connect(self._on_whole)
+        grid.addWidget(self.whole, 3, 1, 1, 3)
+        send_value(self.crop_changed, store, _with_crop, label=self.tr("Crop"), gesture="crop")
+        show_value(store, lambda scene: scene.clipping.crop, self.show_crop)
+        self.set_volume(None)
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Take the number of voxels from another volume."""
+        self._dimensions = None if volume is None else volume.dimensions
+        self.setEnabled(volume is not None)
+        for (low, high), slider, n in zip(
+            self.fields, self.sliders, self._dimensions or (2, 2, 2), strict=True
+        ):
+            with QSignalBlocker(slider), QSignalBlocker(low), QSignalBlocker(high):
+                slider.setRange(0, n - 1)
+                low.setRange(0, n - 2)
+                high.setRange(1, n - 1)
+        self.show_crop(self._store.scene.clipping.crop)
+
+    def show_crop(self, crop: Crop | None) -> None:
+        """Show a crop box."""
+        if self._dimensions is None:
+            return
+        self.whole.setEnabled(crop is not None)
+        for axis, n in enumerate(self._dimensions):
+            bounds = (0, n - 1) if crop is None else (round(crop[2 * axis]), round(crop[2 * axis + 1]))
+            bounds = (min(max(bounds[0], 0), n - 2), min(max(bounds[1], 1), n - 1))
+            low, high = self.fields[axis]
+            slider = self.sliders[axis]
+            with QSignalBlocker(slider), QSignalBlocker(low), QSignalBlocker(high):
+                if tuple(slider.value()) != bounds:
+                    slider.setValue(bounds)
+                low.setValue(bounds[0])
+                high.setValue(bounds[1])
+
+    def _on_pressed(self) -> None:
+        self._dragging = True
+        self.gesture_started.emit()
+
+    def _on_released(self) -> None:
+        self._dragging = False
+        self.gesture_finished.emit()
+
+    def _on_whole(self) -> None:
+        self.crop_changed.emit(None)
+        self._store.end_gesture()
+
+    def _on_slider(self) -> None:
+        self._send([tuple(slider.value()) for slider in self.sliders])
+
+    def _on_field(self) -> None:
+        self._send([(low.value(), high.value()) for low, high in self.fields])
+
+    def _send(self, ranges: list[tuple[int, int]]) -> None:
+        if self._dimensions is None:
+            return
+        limits: list[float] = []
+        for (low, high), n in zip(ranges, self._dimensions, strict=True):
+            # one cell at least: a box without thickness shows nothing
+            first = min(low, n - 2)
+            limits += [float(first), float(max(high, first + 1))]
+        full = [v for n in self._dimensions for v in (0.0, float(n - 1))]
+        self.crop_changed.emit(None if limits == full else tuple(limits))
+        if not self._dragging:
+            self._store.end_gesture()
+
+
+def _with_crop(scene: Scene, crop: Crop | None) -> Scene:
+    return dataclasses.replace(scene, clipping=dataclasses.replace(scene.clipping, crop=crop))

@@ -1,0 +1,115 @@
+"""The data dock: what is loaded, what part of it is shown."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QLabel, QWidget
+
+from volviz.model.scene import Store
+from volviz.model.volume import Volume
+from volviz_ui.panels.clip_planes import ClipPlanes
+from volviz_ui.panels.crop import CropBox
+from volviz_ui.panels.histogram import HistogramView
+from volviz_ui.panels.panel import Panel, Section, quiet_label
+from volviz_ui.workers import Workers
+
+
+class DataPanel(Panel):
+    """Facts about the volume, its histogram, crop box and clip planes."""
+
+    gesture_started = Signal()
+    gesture_finished = Signal()
+
+    def __init__(self, store: Store, workers: Workers, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._facts: dict[str, QLabel] = {}
+        facts = Section(self.tr("Volume"), parent=self)
+        facts.rows.setVerticalSpacing(3)
+        for key, label, tooltip in (
+            ("name", self.tr("Name"), self.tr("What the data set is called")),
+            ("size", self.tr("Size"), self.tr("Voxels along x, y, z")),
+            ("type", self.tr("Type"), self.tr("Type of the values and memory they take")),
+            ("spacing", self.tr("Spacing"), self.tr("Distance between voxel centres along x, y, z")),
+            ("extent", self.tr("Extent"), self.tr("Length of the box along x, y, z")),
+            ("range", self.tr("Range"), self.tr("Lowest and highest finite value, with the unit")),
+            ("nonfinite", self.tr("Not finite"), self.tr("Number of values that are NaN or infinite")),
+        ):
+            value = QLabel("–")
+            value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+            value.setToolTip(tooltip)
+            value.setAccessibleName(label)
+            words = facts.add_row(label, value, tooltip=tooltip)
+            words.setProperty("quiet", True)
+            self._facts[key] = value
+        facts.rows.setColumnMinimumWidth(0, 64)
+        self._nonfinite_row = (facts.rows.itemAtPosition(facts.rows.rowCount() - 1, 0), value)
+        self.notes = quiet_label()
+        self.notes.setWordWrap(True)
+        self.notes.setToolTip(self.tr("What the reader has to say about the file"))
+        facts.add_wide(self.notes)
+
+        shown = Section(self.tr("Histogram"), parent=self)
+        self.histogram = HistogramView(workers, self)
+        shown.add_wide(self.histogram)
+
+        crop = Section(self.tr("Crop box"), parent=self)
+        self.crop = CropBox(store, self)
+        self.crop.gesture_started.connect(self.gesture_started)
+        self.crop.gesture_finished.connect(self._on_gesture_finished)
+        crop.add_wide(self.crop)
+
+        planes = Section(self.tr("Clip planes"), parent=self)
+        self.planes = ClipPlanes(store, self)
+        self.planes.gesture_started.connect(self.gesture_started)
+        self.planes.gesture_finished.connect(self._on_gesture_finished)
+        planes.add_wide(self.planes)
+        for section in (facts, shown, crop, planes):
+            self.add(section)
+        self.set_volume(None)
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Show another volume."""
+        texts = dict.fromkeys(self._facts, "–") if volume is None else facts_of(volume)
+        for key, label in self._facts.items():
+            label.setText(texts[key])
+            label.setToolTip(texts[key] if key == "name" else label.toolTip())
+        has_nonfinite = volume is not None and volume.nonfinite_count > 0
+        item, value = self._nonfinite_row
+        value.setVisible(has_nonfinite)
+        if item is not None and item.widget() is not None:
+            item.widget().setVisible(has_nonfinite)
+        self.notes.setText(notes_of(volume))
+        self.notes.setVisible(bool(self.notes.text()))
+        self.histogram.set_volume(volume)
+        self.crop.set_volume(volume)
+        self.planes.set_volume(volume)
+
+    def _on_gesture_finished(self) -> None:
+        self._store.end_gesture()
+        self.gesture_finished.emit()
+
+
+def facts_of(volume: Volume) -> dict[str, str]:
+    """The facts about a volume in words."""
+    low, high = volume.range
+    unit = f" {volume.unit}" if volume.unit else ""
+    length = str(volume.metadata.get("length_unit", "mm"))
+    megabytes = volume.array.nbytes / 1e6
+    return {
+        "name": volume.name,
+        "size": " × ".join(str(n) for n in volume.dimensions),
+        "type": f"{volume.array.dtype}, {megabytes:.3g} MB",
+        "spacing": " × ".join(f"{s:.4g}" for s in volume.spacing) + f" {length}",
+        "extent": " × ".join(f"{s:.4g}" for s in volume.extent) + f" {length}",
+        "range": f"{low:.6g} … {high:.6g}{unit}",
+        "nonfinite": f"{volume.nonfinite_count:,}".replace(",", " "),
+    }
+
+
+def notes_of(volume: Volume | None) -> str:
+    """What the reader noted about the file."""
+    if volume is None:
+        return ""
+    notes = volume.metadata.get("notes", ())
+    return notes if isinstance(notes, str) else "\n".join(str(note) for note in notes)

@@ -1,0 +1,109 @@
+"""A small histogram of the volume: how often each value occurs, on a logarithmic scale."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Slot
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
+from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
+
+from volviz.model.volume import Volume
+from volviz_ui.workers import Task, Workers
+
+BINS = 256
+SLAB = 8
+"""Planes counted between two looks at the cancel flag."""
+
+
+def count_values(volume: Volume, task: Task | None = None) -> npt.NDArray[np.int64]:
+    """Number of finite values in each of `BINS` equal parts of the range of the volume.
+
+    Runs on a worker; `Cancelled` is raised when the task is cancelled.
+    """
+    low, high = volume.range
+    high = max(high, low + 1e-9)
+    counts = np.zeros(BINS, np.int64)
+    for first in range(0, volume.array.shape[0], SLAB):
+        if task is not None:
+            task.report(first / volume.array.shape[0])
+        slab = volume.array[first : first + SLAB]
+        if slab.dtype.kind == "f":
+            slab = slab[np.isfinite(slab)]
+        counts += np.histogram(slab, BINS, (low, high))[0]
+    return counts
+
+
+class HistogramView(QWidget):
+    """Paints the counts; tells value and count under the pointer."""
+
+    def __init__(self, workers: Workers, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._workers = workers
+        self._volume: Volume | None = None
+        self.counts: npt.NDArray[np.int64] | None = None
+        self.setMouseTracking(True)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setToolTip(self.tr("How often each value occurs; the counts are on a logarithmic scale"))
+        self.setAccessibleName(self.tr("Histogram"))
+
+    def sizeHint(self) -> QSize:
+        return QSize(200, 64)
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Count the values of another volume on a worker."""
+        if volume is self._volume:
+            return
+        self._volume = volume
+        self.counts = None
+        self.update()
+        if volume is not None:
+            task = self._workers.start(lambda task: count_values(volume, task), key="histogram")
+            task.succeeded.connect(self._on_counted)
+
+    @Slot(object)
+    def _on_counted(self, counts: Any) -> None:
+        self.counts = counts
+        self.update()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Say which value lies under the pointer."""
+        if self._volume is None or self.counts is None:
+            return
+        part = min(max(event.position().x() / max(self.width(), 1), 0.0), 1.0)
+        low, high = self._volume.range
+        index = min(int(part * BINS), BINS - 1)
+        words = self.tr("%1: %2 voxels").replace("%1", f"{low + part * (high - low):.5g} {self._volume.unit}".strip())
+        words = words.replace("%2", f"{int(self.counts[index]):,}".replace(",", " "))
+        QToolTip.showText(event.globalPosition().toPoint(), words, self)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the outline and fill it."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        palette = self.palette()
+        frame = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
+        painter.setPen(QPen(palette.color(QPalette.ColorRole.Mid)))
+        painter.setBrush(palette.color(QPalette.ColorRole.Base))
+        painter.drawRoundedRect(frame, 3, 3)
+        if self.counts is None:
+            if self._volume is not None:
+                painter.setPen(palette.color(QPalette.ColorRole.PlaceholderText))
+                painter.drawText(frame, Qt.AlignmentFlag.AlignCenter, self.tr("Counting…"))
+            return
+        heights = np.log1p(self.counts)
+        heights = heights / max(float(heights.max()), 1e-9) * (frame.height() - 6)
+        step = (frame.width() - 4) / BINS
+        outline = QPolygonF([QPointF(frame.left() + 2, frame.bottom() - 1)])
+        for index, height in enumerate(heights):
+            x = frame.left() + 2 + index * step
+            y = frame.bottom() - 1 - float(height)
+            outline.append(QPointF(x, y))
+            outline.append(QPointF(x + step, y))
+        outline.append(QPointF(frame.right() - 2, frame.bottom() - 1))
+        color = palette.color(QPalette.ColorRole.PlaceholderText)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(color)
+        painter.drawPolygon(outline)

@@ -1,0 +1,124 @@
+"""The settings of one technique as sections of editors, made from their descriptions alone."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QLabel, QToolButton, QVBoxLayout, QWidget
+
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.model.parameters import Parameter
+from volviz.model.volume import Volume
+from volviz_ui.editors import Editor, editor_for
+from volviz_ui.editors.base import tooltip_of
+from volviz_ui.editors.optional import OptionalEditor
+from volviz_ui.panels.panel import Section, small_button
+
+LABEL_WIDTH = 112
+
+
+class SettingsForm(QWidget):
+    """Editors for all settings of a technique.
+
+    Parameters
+    ----------
+    info : TechniqueInfo
+        Whose settings these are.
+    is_open : callable
+        Takes the name of a group, says whether it starts unfolded.
+    volume : Volume or None
+        Its range and unit stand in for those of settings that are measured in data units.
+    """
+
+    setting_changed = Signal(str, object)
+    gesture_started = Signal()
+    gesture_finished = Signal()
+    section_folded = Signal(str, bool)
+
+    def __init__(
+        self,
+        info: TechniqueInfo,
+        is_open: Callable[[str], bool],
+        volume: Volume | None,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.info = info
+        self.editors: dict[str, Editor] = {}
+        self.sections: dict[str, Section] = {}
+        self._rows: dict[str, tuple[QLabel, QToolButton]] = {}
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column.setSpacing(4)
+        for parameter in info.parameters:
+            self._add(in_data_units(parameter, volume), is_open)
+        machinery = self.sections.get(self._machinery())
+        if machinery is not None:
+            self._column.removeWidget(machinery)
+            self._column.addWidget(machinery)
+
+    def show_settings(self, settings: Any) -> None:
+        """Show all values, and which settings act at present."""
+        for name, editor in self.editors.items():
+            value = getattr(settings, name)
+            editor.set_value(value)
+            _words, reset = self._rows[name]
+            is_default = value == editor.parameter.default
+            reset.setVisible(not is_default)
+            enabled = acts(editor.parameter, settings)
+            editor.setEnabled(enabled)
+            self._rows[name][0].setEnabled(enabled)
+
+    def show_automatic(self, values: dict[str, Any]) -> None:
+        """Say what "automatic" stands for at present, by the name of the setting."""
+        for name, value in values.items():
+            editor = self.editors.get(name)
+            if isinstance(editor, OptionalEditor):
+                editor.set_fallback(value)
+
+    def _machinery(self) -> str:
+        return self.tr("View the machinery")
+
+    def _add(self, parameter: Parameter, is_open: Callable[[str], bool]) -> None:
+        group = self._machinery() if parameter.name == "display" else parameter.group or self.tr("Settings")
+        section = self.sections.get(group)
+        if section is None:
+            section = Section(group, open_=is_open(group), parent=self)
+            section.rows.setColumnMinimumWidth(0, LABEL_WIDTH)
+            section.folded.connect(self.section_folded)
+            self.sections[group] = section
+            self._column.addWidget(section)
+        editor = editor_for(parameter)
+        name = parameter.name
+        reset = small_button("arrow-counter-clockwise", self.tr("Back to the default"))
+        keeps_place = reset.sizePolicy()
+        keeps_place.setRetainSizeWhenHidden(True)
+        reset.setSizePolicy(keeps_place)
+        reset.clicked.connect(lambda: self.setting_changed.emit(name, parameter.default))
+        editor.value_changed.connect(lambda value: self.setting_changed.emit(name, value))
+        editor.gesture_started.connect(self.gesture_started)
+        editor.gesture_finished.connect(self.gesture_finished)
+        words = section.add_row(
+            parameter.label, editor, tail=reset, wide=editor.wide, tooltip=tooltip_of(parameter)
+        )
+        self.editors[name] = editor
+        self._rows[name] = (words, reset)
+
+
+def acts(parameter: Parameter, settings: Any) -> bool:
+    """Whether a setting has an effect with the other settings as they are."""
+    if parameter.enabled_by is None:
+        return True
+    name, values = parameter.enabled_by
+    return getattr(settings, name, None) in values
+
+
+def in_data_units(parameter: Parameter, volume: Volume | None) -> Parameter:
+    """A setting measured in data units gets the range and the unit of the volume."""
+    if volume is None or parameter.kind not in ("float", "floats") or parameter.unit != "data":
+        return parameter
+    low, high = volume.range
+    return dataclasses.replace(parameter, unit=volume.unit, soft_minimum=low, soft_maximum=max(high, low + 1e-9))

@@ -1,0 +1,140 @@
+"""The technique dock: what draws, what that means, and its settings."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+
+from volviz.model.parameters import Parameter
+from volviz.model.scene import Scene, Store
+from volviz.model.volume import Volume
+from volviz_ui.binding import show_value
+from volviz_ui.panels.light import LightSection
+from volviz_ui.panels.panel import Panel, quiet_label, small_button
+from volviz_ui.panels.settings_form import SettingsForm
+from volviz_ui.panels.technique_box import TechniqueBox, current_settings, current_technique
+
+
+class TechniquePanel(Panel):
+    """Shows and changes the technique of the first view and its settings."""
+
+    gesture_started = Signal()
+    gesture_finished = Signal()
+
+    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._volume: Volume | None = None
+        self._folded: set[str] = set()
+        self._dragging = False
+        self.form: SettingsForm | None = None
+        self.box = TechniqueBox(store, self)
+        self.summary: QLabel = quiet_label()
+        self.summary.setWordWrap(True)
+        self.summary.setToolTip(self.tr("What this technique does"))
+        # two lines always, so that the settings do not jump when the words change
+        self.summary.setMinimumHeight(2 * self.fontMetrics().lineSpacing())
+        self.light = LightSection(store, self)
+        self.light.gesture_started.connect(self._on_gesture_started)
+        self.light.gesture_finished.connect(self._on_gesture_finished)
+        self.reset_all = small_button(
+            "arrow-counter-clockwise", self.tr("All settings of this technique back to their defaults"), self
+        )
+        self.reset_all.clicked.connect(self._on_reset_all)
+        head = QWidget(self.body)
+        line = QHBoxLayout(head)
+        line.setContentsMargins(0, 0, 0, 0)
+        line.setSpacing(4)
+        line.addWidget(self.box, 1)
+        line.addWidget(self.reset_all)
+        for widget in (head, self.summary, self.light):
+            self.add(widget)
+        show_value(store, lambda scene: scene.view.technique, self.show_technique)
+        show_value(store, current_settings, self.show_settings)
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Take range and unit from another volume."""
+        if volume is not self._volume:
+            self._volume = volume
+            self._rebuild()
+        self.light.set_volume(volume)
+
+    def show_technique(self, _technique: str) -> None:
+        """Show the settings of another technique."""
+        self._rebuild()
+
+    def show_settings(self, settings: Any) -> None:
+        """Show the values of the settings."""
+        info = current_technique(self._store.scene)
+        if self.form is not None and self.form.info is info:
+            self.form.show_settings(settings)
+
+    def _rebuild(self) -> None:
+        info = current_technique(self._store.scene)
+        self.summary.setText(info.summary)
+        old = self.form
+        form = SettingsForm(info, lambda group: group not in self._folded, self._volume, self.body)
+        form.setting_changed.connect(self._on_setting_changed)
+        form.gesture_started.connect(self._on_gesture_started)
+        form.gesture_finished.connect(self._on_gesture_finished)
+        form.section_folded.connect(self._on_folded)
+        form.show_settings(current_settings(self._store.scene))
+        if self._volume is not None:
+            form.show_automatic({"opacity_unit_distance": self._volume.mean_spacing})
+        self.column.insertWidget(2, form)
+        self.form = form
+        if old is not None:
+            self.column.removeWidget(old)
+            old.hide()
+            old.deleteLater()
+        self.updateGeometry()
+
+    def _on_setting_changed(self, name: str, value: Any) -> None:
+        info = current_technique(self._store.scene)
+        parameter = next(p for p in info.parameters if p.name == name)
+        change_setting(self._store, parameter, value, gesture=("setting", info.id, name))
+        if not self._dragging:
+            self._store.end_gesture()
+
+    def _on_gesture_started(self) -> None:
+        self._dragging = True
+        self.gesture_started.emit()
+
+    def _on_gesture_finished(self) -> None:
+        self._dragging = False
+        self._store.end_gesture()
+        self.gesture_finished.emit()
+
+    def _on_folded(self, title: str, open_: bool) -> None:
+        if open_:
+            self._folded.discard(title)
+        else:
+            self._folded.add(title)
+
+    def _on_reset_all(self) -> None:
+        reset_settings(self._store, self.tr("Reset settings"))
+
+
+def reset_settings(store: Store, label: str) -> None:
+    """Give all settings of the current technique their defaults."""
+
+    def change(scene: Scene) -> Scene:
+        info = current_technique(scene)
+        return scene.with_view(settings=scene.view.with_settings(info.id, info.settings()).settings)
+
+    store.update(change, label=label)
+
+
+def change_setting(store: Store, parameter: Parameter, value: Any, *, gesture: Any = None) -> None:
+    """Give a setting of the current technique another value."""
+    def change(scene: Scene) -> Scene:
+        info = current_technique(scene)
+        settings = dataclasses.replace(
+            current_settings(scene), **{parameter.name: parameter.checked(value)}
+        )
+        return scene.with_view(settings=scene.view.with_settings(info.id, settings).settings)
+
+    store.update(change, label=parameter.label, gesture=gesture)

@@ -1,0 +1,105 @@
+"""The list of techniques, each with one line on what it does."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
+from PySide6.QtGui import QFont, QFontMetrics, QPainter, QPalette
+from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
+
+from volviz.custom_gl.registry import techniques
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.model.scene import Scene, Store
+from volviz_ui.binding import show_value
+from volviz_ui.editors.simple import CalmComboBox
+
+SUMMARY = Qt.ItemDataRole.UserRole + 1
+Index = QModelIndex | QPersistentModelIndex
+
+
+class _TwoLines(QStyledItemDelegate):
+    """Name in the first line, explanation in the second, wrapped never, shortened when the list is narrow."""
+
+    def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
+        metrics = QFontMetrics(option.font)
+        width = metrics.horizontalAdvance(index.data(SUMMARY) or "") + 24
+        return QSize(min(width, 560), 2 * metrics.height() + 10)
+
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
+        painter.save()
+        chosen = bool(option.state & QStyle.StateFlag.State_Selected)
+        role = QPalette.ColorRole
+        if chosen:
+            painter.fillRect(option.rect, option.palette.color(role.Highlight))
+        rect = QRect(option.rect.adjusted(10, 4, -10, -4))
+        metrics = QFontMetrics(option.font)
+        bold = QFont(option.font)
+        bold.setWeight(QFont.Weight.DemiBold)
+        painter.setFont(bold)
+        painter.setPen(option.palette.color(role.HighlightedText if chosen else role.Text))
+        painter.drawText(rect, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop, index.data())
+        painter.setFont(option.font)
+        painter.setPen(option.palette.color(role.HighlightedText if chosen else role.PlaceholderText))
+        words = metrics.elidedText(index.data(SUMMARY) or "", Qt.TextElideMode.ElideRight, rect.width())
+        painter.drawText(rect, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignBottom, words)
+        painter.restore()
+
+
+class TechniqueBox(CalmComboBox):
+    """Chooses the technique of the first view."""
+
+    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setItemDelegate(_TwoLines(self))
+        self.setMaxVisibleItems(14)
+        self.setAccessibleName(self.tr("Technique"))
+        for number, info in enumerate(drawing_techniques(), start=1):
+            key = f"  ({number})" if number <= 9 else ""
+            self.addItem(info.label, info.id)
+            self.setItemData(self.count() - 1, info.summary, SUMMARY)
+            self.setItemData(
+                self.count() - 1, f"<p>{info.summary}</p><p>{info.id}{key}</p>", Qt.ItemDataRole.ToolTipRole
+            )
+        self.setToolTip(self.tr("How the volume is drawn (keys 1 to 9)"))
+        self._store = store
+        show_value(store, lambda scene: scene.view.technique, self.show_technique)
+        self.activated.connect(self._on_activated)
+
+    def showPopup(self) -> None:
+        """Open the list wide enough for the explanations."""
+        width = max(self.view().sizeHintForColumn(0) + 24, self.width())
+        self.view().setMinimumWidth(width)
+        super().showPopup()
+
+    def show_technique(self, technique: str) -> None:
+        """Show which technique draws."""
+        self.setCurrentIndex(self.findData(technique))
+
+    def _on_activated(self, index: int) -> None:
+        choose_technique(self._store, self.itemData(index))
+
+
+def drawing_techniques() -> list[TechniqueInfo]:
+    """The techniques that draw in the viewport, in the order of the list; those of VTK's own are for comparison."""
+    return [info for info in techniques().values() if info.kind == "image"]
+
+
+def choose_technique(store: Store, technique: str) -> None:
+    """Draw with another technique; a step of the history."""
+    label = techniques()[technique].label
+    store.update(lambda scene: scene.with_view(technique=technique), label=label)
+
+
+def current_technique(scene: Scene) -> TechniqueInfo:
+    """The technique that draws the first view."""
+    known = techniques()
+    return known.get(scene.view.technique) or next(iter(known.values()))
+
+
+def current_settings(scene: Scene) -> Any:
+    """Its settings."""
+    info = current_technique(scene)
+    return scene.view.settings_for(info.id, info.settings)
+
+

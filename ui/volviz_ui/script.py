@@ -1,0 +1,102 @@
+"""The present picture as a Python script (`Copy as Python`)."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from volviz.model.camera import Camera
+from volviz.model.clipping import Clipping
+from volviz.model.light import Light
+from volviz.model.scene import Scene
+from volviz_ui.panels.technique_box import current_settings, current_technique
+
+
+def script_of(scene: Scene, size: tuple[int, int]) -> str:
+    """Python that draws what the scene shows.
+
+    Parameters
+    ----------
+    scene : Scene
+        With at least one layer.
+    size : tuple of 2 ints
+        Width and height of the picture.
+    """
+    layer = scene.layer
+    if layer is None:
+        return "import volviz\n"
+    hints = "".join(f", {key}={value!r}" for key, value in layer.volume.hints)
+    points = layer.transfer_function.points
+    lines = ["import volviz", "", f"volume = volviz.load({layer.volume.source!r}{hints})"]
+    lines += ["transfer_function = volviz.TransferFunction.from_points(", "    ["]
+    lines += [f"        ({_number(p.value)}, {_tuple(p.rgba)})," for p in points]
+    domain = layer.transfer_function.domain
+    lines += ["    ]," + ("" if domain == "data" else f" domain={domain!r},")]
+    lines += [")"]
+    if layer.transfer_function.opacity != 1.0:
+        opacity = _number(layer.transfer_function.opacity)
+        lines[-1] += f".with_opacity({opacity})"
+    info = current_technique(scene)
+    lines += ["picture = volviz.render(", "    volume,", f"    {info.id!r},"]
+    lines += ["    transfer_function=transfer_function,", f"    size={size},"]
+    if scene.view.camera is not None:
+        lines += [f"    camera={_camera(scene.view.camera)},"]
+    lines += _light(scene.light) + _clipping(scene.clipping)
+    settings = current_settings(scene)
+    default = info.settings()
+    for parameter in info.parameters:
+        value = getattr(settings, parameter.name)
+        if value != getattr(default, parameter.name):
+            lines.append(f"    {parameter.name}={_value(value)},")
+    lines += [")", ""]
+    return "\n".join(lines)
+
+
+def _camera(camera: Camera) -> str:
+    parts = []
+    for field in fields(Camera):
+        value = getattr(camera, field.name)
+        if field.name in ("position", "focal_point") or value != field.default:
+            parts.append(f"{field.name}={_value(value)}")
+    return f"volviz.Camera({', '.join(parts)})"
+
+
+def _light(light: Light) -> list[str]:
+    lines = []
+    if not light.headlight:
+        lines.append("    headlight=False,")
+        if light.position is not None:
+            lines.append(f"    light_position={_tuple(light.position)},")
+    if light.color != Light().color:
+        lines.append(f"    light_color={_tuple(light.color)},")
+    return lines
+
+
+def _clipping(clipping: Clipping) -> list[str]:
+    lines = []
+    if clipping.crop is not None:
+        lines.append(f"    crop={_tuple(clipping.crop)},")
+    if clipping.planes:
+        planes = ", ".join(f"({_tuple(origin)}, {_tuple(normal)})" for origin, normal in clipping.planes)
+        lines.append(f"    clip_planes=[{planes}],")
+    return lines
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool) or value is None or isinstance(value, str):
+        return repr(value)
+    if isinstance(value, tuple):
+        return "(" + ", ".join(_value(part) for part in value) + ("," if len(value) == 1 else "") + ")"
+    return _number(value)
+
+
+def _tuple(values: tuple[float, ...]) -> str:
+    return "(" + ", ".join(_number(v) for v in values) + ")"
+
+
+def _number(value: float) -> str:
+    """Seven digits: more than a picture shows, few enough to read."""
+    if isinstance(value, int):
+        return str(value)
+    text = f"{value:.7g}"
+    return text if any(c in text for c in ".en") else text + ".0"

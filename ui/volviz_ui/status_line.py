@@ -1,0 +1,73 @@
+"""The line at the foot of the window: what is under the pointer, how the picture was drawn, what it shows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QWidget
+
+from volviz.model.volume import Volume
+from volviz_ui.picking import Picked
+
+
+class StatusLine(QStatusBar):
+    """Four fields of fixed width, so that nothing jumps while numbers change."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setSizeGripEnabled(False)
+        self._technique = ""
+        self.pointer = self._field("(0000, 0000, 0000)  −00000.00 unit", self.tr("Voxel under the pointer and its value"))
+        self.drawing = self._field(
+            self.tr("Marching tetrahedra, full quality 000 %"), self.tr("Technique, and resolution now shown")
+        )
+        self.time = self._field("0000 ms", self.tr("Time that drawing this picture took"))
+        self.volume = self._field("", self.tr("Data set and its size in voxels"))
+        for field in (self.pointer, self.drawing, self.time):
+            self.addWidget(field)
+        self.addPermanentWidget(self.volume)
+
+    def show_picked(self, picked: Picked | None, unit: str) -> None:
+        """Show the voxel under the pointer."""
+        if picked is None:
+            self.pointer.setText("")
+            return
+        i, j, k = picked.index
+        self.pointer.setText(f"({i}, {j}, {k})   {picked.value:.6g} {unit}".rstrip())
+
+    def show_technique(self, label: str) -> None:
+        """Show how the volume is drawn."""
+        self._technique = label
+        self.drawing.setText(label)
+
+    def show_status(self, status: Any) -> None:
+        """Show what the host says about the picture."""
+        if status.complete and status.resolution >= 1:
+            words = self.tr("full quality")
+        elif status.resolution >= 1:
+            words = self.tr("full resolution")
+        else:
+            words = self.tr("%1 % of the resolution").replace("%1", f"{100 * status.resolution:.0f}")
+        self.drawing.setText(f"{self._technique}, {words}")
+        seconds = status.seconds
+        self.time.setText(f"{1000 * seconds:.0f} ms" if seconds < 10 else f"{seconds:.1f} s")
+
+    def show_volume(self, volume: Volume | None) -> None:
+        """Show what is loaded."""
+        if volume is None:
+            self.volume.setText("")
+            return
+        size = " × ".join(str(n) for n in volume.dimensions)
+        name = self.fontMetrics().elidedText(volume.name, Qt.TextElideMode.ElideMiddle, 260)
+        self.volume.setText(f"{name}   {size}")
+
+    def _field(self, widest: str, tooltip: str) -> QLabel:
+        label = QLabel(self)
+        label.setToolTip(tooltip)
+        label.setContentsMargins(8, 1, 8, 1)
+        if widest:
+            label.setMinimumWidth(self.fontMetrics().horizontalAdvance(widest) + 16)
+            label.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+        return label
+

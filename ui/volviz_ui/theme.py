@@ -1,0 +1,210 @@
+"""How the program looks: Qt's Fusion style with a light and a dark palette of our own and one accent colour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtWidgets import QApplication
+
+from volviz_ui import icons
+
+Choice = Literal["system", "light", "dark"]
+
+RHYTHM = 8
+"""All distances are multiples or halves of this, in device-independent pixels."""
+
+
+@dataclass(frozen=True)
+class Colors:
+    """The colours of one theme, as ``#rrggbb``."""
+
+    window: str
+    panel: str
+    base: str
+    button: str
+    border: str
+    text: str
+    quiet: str
+    disabled: str
+    accent: str
+    accent_text: str
+    tooltip: str
+    tooltip_text: str
+
+
+LIGHT = Colors(
+    window="#eceef1",
+    panel="#f6f7f9",
+    base="#ffffff",
+    button="#fbfcfd",
+    border="#d0d5db",
+    text="#1d2329",
+    quiet="#66717d",
+    disabled="#a3acb5",
+    accent="#1f6fd0",
+    accent_text="#ffffff",
+    tooltip="#22282f",
+    tooltip_text="#f2f4f6",
+)
+DARK = Colors(
+    window="#1c2025",
+    panel="#23282e",
+    base="#171a1e",
+    button="#2e343b",
+    border="#3a4149",
+    text="#dfe3e7",
+    quiet="#8d98a3",
+    disabled="#5c656e",
+    accent="#4795ee",
+    accent_text="#0c1118",
+    tooltip="#3a424b",
+    tooltip_text="#f2f4f6",
+)
+
+
+def palette_of(colors: Colors) -> QPalette:
+    """A Qt palette from the colours of a theme."""
+    palette = QPalette()
+    role = QPalette.ColorRole
+    for key, value in {
+        role.Window: colors.panel,
+        role.WindowText: colors.text,
+        role.Base: colors.base,
+        role.AlternateBase: colors.panel,
+        role.Text: colors.text,
+        role.PlaceholderText: colors.quiet,
+        role.Button: colors.button,
+        role.ButtonText: colors.text,
+        role.BrightText: "#ffffff",
+        role.Light: QColor(colors.button).lighter(108).name(),
+        role.Midlight: colors.button,
+        role.Mid: colors.border,
+        role.Dark: QColor(colors.border).darker(115).name(),
+        role.Shadow: "#000000",
+        role.Highlight: colors.accent,
+        role.HighlightedText: colors.accent_text,
+        role.Accent: colors.accent,
+        role.Link: colors.accent,
+        role.LinkVisited: colors.accent,
+        role.ToolTipBase: colors.tooltip,
+        role.ToolTipText: colors.tooltip_text,
+    }.items():
+        palette.setColor(key, QColor(value))
+    for key in (role.WindowText, role.Text, role.ButtonText, role.PlaceholderText):
+        palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(colors.disabled))
+    palette.setColor(QPalette.ColorGroup.Disabled, role.Highlight, QColor(colors.border))
+    palette.setColor(QPalette.ColorGroup.Disabled, role.HighlightedText, QColor(colors.disabled))
+    return palette
+
+
+def style_sheet(colors: Colors) -> str:
+    """The few things that a palette cannot say."""
+    c = colors
+    return f"""
+    QMainWindow {{ background: {c.window}; }}
+    QMainWindow::separator {{ background: {c.window}; width: 5px; height: 5px; }}
+    QMainWindow::separator:hover {{ background: {c.accent}; }}
+    QMenuBar {{ background: {c.window}; padding: 2px 4px; }}
+    QMenuBar::item {{ background: transparent; padding: 4px 9px; border-radius: 4px; }}
+    QMenuBar::item:selected {{ background: {c.button}; }}
+    QMenu {{ background: {c.panel}; border: 1px solid {c.border}; padding: 4px 0; }}
+    QMenu::item {{ padding: 5px 28px 5px 10px; }}
+    QMenu::item:selected {{ background: {c.accent}; color: {c.accent_text}; }}
+    QMenu::item:disabled {{ color: {c.disabled}; }}
+    QMenu::icon {{ padding-left: 8px; }}
+    QMenu::separator {{ height: 1px; background: {c.border}; margin: 4px 8px; }}
+    QToolBar {{ background: {c.window}; border: none; padding: 3px 8px 5px 8px; spacing: 4px; }}
+    QToolBar::separator {{ background: {c.border}; width: 1px; margin: 5px 5px; }}
+    QToolBar QToolButton {{ border: 1px solid transparent; border-radius: 5px; padding: 4px; }}
+    QToolBar QToolButton:hover {{ background: {c.button}; border-color: {c.border}; }}
+    QToolBar QToolButton:pressed, QToolBar QToolButton:checked {{ background: {c.border}; }}
+    QToolBar QToolButton:focus {{ border-color: {c.accent}; }}
+    QToolBar QToolButton[popupMode="2"] {{ padding-right: 14px; }}
+    QStatusBar {{ background: {c.window}; color: {c.quiet}; }}
+    QStatusBar::item {{ border: none; }}
+    QStatusBar QLabel {{ color: {c.quiet}; }}
+    QDockWidget {{ titlebar-close-icon: none; }}
+    QWidget#dock_title {{ background: {c.window}; }}
+    QLabel#dock_caption {{ color: {c.quiet}; font-weight: 600; }}
+    QToolButton#dock_button {{ border: none; border-radius: 4px; padding: 2px; }}
+    QToolButton#dock_button:hover {{ background: {c.border}; }}
+    QScrollArea#panel_scroll, QWidget#panel_body {{ background: {c.panel}; border: none; }}
+    QToolButton#section_header {{ border: none; text-align: left; font-weight: 600; padding: 4px 2px; }}
+    QToolButton#section_header:hover {{ color: {c.accent}; }}
+    QToolButton#section_header:focus {{ color: {c.accent}; }}
+    QFrame#section_line {{ background: {c.border}; border: none; max-height: 1px; }}
+    QLabel[quiet="true"] {{ color: {c.quiet}; }}
+    QToolButton#reset_button {{ border: none; border-radius: 4px; padding: 1px; }}
+    QToolButton#reset_button:hover {{ background: {c.border}; }}
+    QToolButton#reset_button:focus {{ background: {c.border}; }}
+    QToolTip {{ background: {c.tooltip}; color: {c.tooltip_text}; border: 1px solid {c.border}; padding: 4px 6px; }}
+    QFrame#banner {{ background: {c.panel}; border: 1px solid {c.border}; border-radius: 6px; }}
+    """
+
+
+class Theme(QObject):
+    """Puts a theme on the application and keeps following the system when asked to.
+
+    Parameters
+    ----------
+    application : QApplication
+        What is dressed.
+    choice : {"system", "light", "dark"}
+        Which theme.
+    """
+
+    changed = Signal()
+
+    def __init__(self, application: QApplication, choice: Choice = "system") -> None:
+        super().__init__(application)
+        self._application = application
+        self._choice: Choice = choice
+        self._shown: Colors | None = None
+        application.setStyle("Fusion")
+        application.styleHints().colorSchemeChanged.connect(self._on_scheme_changed)
+        self._show()
+
+    @property
+    def choice(self) -> Choice:
+        """What was chosen: a theme, or the system's."""
+        return self._choice
+
+    @choice.setter
+    def choice(self, choice: Choice) -> None:
+        if choice != self._choice:
+            self._choice = choice
+            self._show()
+
+    @property
+    def colors(self) -> Colors:
+        """The colours that are shown now."""
+        if self._choice == "system":
+            scheme = self._application.styleHints().colorScheme()
+            return DARK if scheme == Qt.ColorScheme.Dark else LIGHT
+        return DARK if self._choice == "dark" else LIGHT
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether the dark palette is shown."""
+        return self.colors is DARK
+
+    def _on_scheme_changed(self) -> None:
+        if self._choice == "system":
+            self._show()
+
+    def _show(self) -> None:
+        if self.colors is self._shown:
+            return
+        self._shown = self.colors
+        self._application.setPalette(palette_of(self.colors))
+        self._application.setStyleSheet(style_sheet(self.colors))
+        icons.refresh()
+        self.changed.emit()
+
+
+def is_palette_change(event: QEvent) -> bool:
+    """Whether a widget that paints itself must take other colours."""
+    return event.type() in (QEvent.Type.PaletteChange, QEvent.Type.ApplicationPaletteChange)

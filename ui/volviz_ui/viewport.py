@@ -1,0 +1,218 @@
+"""The viewport: PyVista's interactor with our own mouse, drawn when something changed and never otherwise."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Any
+
+from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QNativeGestureEvent, QWheelEvent
+from PySide6.QtWidgets import QApplication, QWidget
+from pyvistaqt import QtInteractor
+
+from volviz.model.camera import Camera
+from volviz_ui.camera_moves import WHEEL_STEP, panned, rotated, zoomed
+
+WHEEL_REST_MS = 250
+"""A turn of the wheel is over when this long nothing more has come."""
+
+
+class Drag(Enum):
+    """What a drag does."""
+
+    ROTATE = "rotate"
+    PAN = "pan"
+    ZOOM = "zoom"
+    LIGHT = "light"
+
+
+class Viewport(QtInteractor):
+    """Shows the scene; turns mouse events into moves of the camera and of the light.
+
+    VTK's interactor gets no event at all: neither its styles nor PyVista's keys can interfere. The camera belongs
+    to VTK; `camera_committed` is emitted once when a move is over.
+    """
+
+    gesture_started = Signal()
+    gesture_finished = Signal()
+    camera_committed = Signal(object)
+    light_dragged = Signal(float, float)
+    """Pixels right and down since the last time."""
+    light_wheeled = Signal(float)
+    """Factor by which the light comes nearer."""
+    pointer_moved = Signal(QPointF)
+    pointer_left = Signal()
+    frame_drawn = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent, auto_update=False, multi_samples=0)
+        self.setAcceptDrops(False)  # the window takes dropped files, wherever they fall
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMinimumSize(200, 150)
+        self.setAccessibleName(self.tr("Picture of the volume"))
+        self.iren.interactor.SetInteractorStyle(None)
+        self.light_is_movable = False
+        self.frames = 0
+        self._drag: Drag | None = None
+        self._last = QPointF()
+        self._moving = False
+        self._wheel_angle = 0.0
+        self._wheel_rest = QTimer(self)
+        self._wheel_rest.setSingleShot(True)
+        self._wheel_rest.setInterval(WHEEL_REST_MS)
+        self._wheel_rest.timeout.connect(self._end_move)
+
+    # ------------------------------------------------------------------ drawing
+
+    def render(self, *_args: Any, **_keywords: Any) -> None:
+        """Ask for a picture; several requests before the next turn of the event loop are one."""
+        if not getattr(self, "_closed", False):
+            self.update()
+
+    def paintGL(self) -> None:
+        """Draw, and tell those who count or report."""
+        super().paintGL()
+        self.frames += 1
+        self.frame_drawn.emit()
+
+    @property
+    def pixel_size(self) -> tuple[int, int]:
+        """Width and height in device pixels."""
+        ratio = self.devicePixelRatioF()
+        return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
+
+    @property
+    def aspect(self) -> float:
+        """Width divided by height."""
+        return max(self.width(), 1) / max(self.height(), 1)
+
+    # ------------------------------------------------------------------ camera
+
+    @property
+    def view_camera(self) -> Camera:
+        """The camera as it is in the picture now."""
+        camera = self.renderer.GetActiveCamera()
+        return Camera(
+            camera.GetPosition(),
+            camera.GetFocalPoint(),
+            camera.GetViewUp(),
+            camera.GetViewAngle(),
+            bool(camera.GetParallelProjection()),
+            camera.GetParallelScale() if camera.GetParallelProjection() else None,
+        )
+
+    def show_camera(self, camera: Camera) -> None:
+        """Look from another place; nothing is committed."""
+        vtk_camera = self.renderer.GetActiveCamera()
+        vtk_camera.SetPosition(*camera.position)
+        vtk_camera.SetFocalPoint(*camera.focal_point)
+        vtk_camera.SetViewUp(*camera.view_up)
+        vtk_camera.SetViewAngle(camera.view_angle)
+        vtk_camera.SetParallelProjection(camera.parallel)
+        vtk_camera.SetParallelScale(camera.scale)
+        # PyVista frames the scene by itself as long as it believes that nobody has set a camera
+        self.renderer.camera_set = True
+        self.renderer.ResetCameraClippingRange()
+        self.update()
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a drag or a turn of the wheel is under way."""
+        return self._moving
+
+    # ------------------------------------------------------------------ mouse
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin what the button stands for; nothing changes before the pointer moves."""
+        self.setFocus(Qt.FocusReason.MouseFocusReason)
+        if self._drag is None:
+            self._drag = self._meaning(event)
+            self._last = event.position()
+        event.accept()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """The second click of a double-click is a click."""
+        self.mousePressEvent(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Move camera or light, or tell where the pointer is."""
+        if self._drag is None or event.buttons() == Qt.MouseButton.NoButton:
+            self._drag = None
+            self.pointer_moved.emit(event.position())
+            return
+        step = event.position() - self._last
+        if not self._moving and step.manhattanLength() < QApplication.startDragDistance() / 3:
+            return
+        self._last = event.position()
+        self._begin_move()
+        dx, dy, size = step.x(), step.y(), (self.width(), self.height())
+        if self._drag is Drag.ROTATE:
+            self.show_camera(rotated(self.view_camera, dx, dy, size))
+        elif self._drag is Drag.PAN:
+            self.show_camera(panned(self.view_camera, dx, dy, size))
+        elif self._drag is Drag.ZOOM:
+            self.show_camera(zoomed(self.view_camera, WHEEL_STEP ** (-dy / 20)))
+        else:
+            self.light_dragged.emit(dx, dy)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """The drag is over when the last button is up."""
+        if event.buttons() == Qt.MouseButton.NoButton:
+            self._drag = None
+            self._end_move()
+        event.accept()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom; with Ctrl the light comes nearer or goes away."""
+        notches = event.angleDelta().y() / 120
+        if notches:
+            self._begin_move()
+            self._wheel_rest.start()
+            if event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
+                self.light_wheeled.emit(WHEEL_STEP**notches)
+            else:
+                self.show_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
+        event.accept()
+
+    def event(self, event: QEvent) -> bool:
+        """Two fingers on a touchpad zoom."""
+        if isinstance(event, QNativeGestureEvent) and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
+            self._begin_move()
+            self._wheel_rest.start()
+            self.show_camera(zoomed(self.view_camera, 1 + event.value()))
+            return True
+        return super().event(event)
+
+    def enterEvent(self, event: QEvent) -> None:
+        """VTK need not know."""
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Nothing is under the pointer any more."""
+        self.pointer_left.emit()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Keys belong to the window."""
+        event.ignore()
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """Keys belong to the window."""
+        event.ignore()
+
+    def _meaning(self, event: QMouseEvent) -> Drag:
+        if event.button() == Qt.MouseButton.RightButton:
+            return Drag.LIGHT if self.light_is_movable else Drag.ZOOM
+        if event.button() == Qt.MouseButton.MiddleButton:
+            return Drag.ZOOM
+        return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.ROTATE
+
+    def _begin_move(self) -> None:
+        if not self._moving:
+            self._moving = True
+            self.gesture_started.emit()
+
+    def _end_move(self) -> None:
+        if self._moving and self._drag is None:
+            self._wheel_rest.stop()
+            self._moving = False
+            self.gesture_finished.emit()
+            self.camera_committed.emit(self.view_camera)

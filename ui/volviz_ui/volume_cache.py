@@ -1,0 +1,64 @@
+"""Loaded volumes by where they come from, so that going back to an earlier file does not read it again."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from pathlib import Path
+
+from volviz.model.scene import VolumeRef
+from volviz.model.volume import Volume
+
+DEFAULT_BUDGET = 1 << 30
+"""Bytes of arrays that are kept."""
+
+
+class VolumeCache:
+    """Volumes by `VolumeRef`, the least recently used leave first.
+
+    The history of the store holds references only; a volume that has left is read again when it is needed.
+
+    Parameters
+    ----------
+    budget : int
+        Bytes of arrays to keep. The volume used last stays, however large it is.
+    """
+
+    def __init__(self, budget: int = DEFAULT_BUDGET) -> None:
+        self.budget = budget
+        self._volumes: OrderedDict[VolumeRef, Volume] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._volumes)
+
+    def get(self, ref: VolumeRef) -> Volume | None:
+        """The volume, or None when it must be loaded."""
+        volume = self._volumes.get(ref)
+        if volume is not None:
+            self._volumes.move_to_end(ref)
+        return volume
+
+    def put(self, ref: VolumeRef, volume: Volume) -> None:
+        """Keep a volume; others leave when the budget is exceeded."""
+        self._volumes[ref] = volume
+        self._volumes.move_to_end(ref)
+        while len(self._volumes) > 1 and self.size > self.budget:
+            self._volumes.popitem(last=False)
+
+    @property
+    def size(self) -> int:
+        """Bytes of all arrays."""
+        return sum(volume.array.nbytes for volume in self._volumes.values())
+
+    def clear(self) -> None:
+        """Forget all volumes."""
+        self._volumes.clear()
+
+
+def content_id(source: str) -> str:
+    """What changes when a file changes: its size and time of modification; empty for what is no file."""
+    path = Path(source)
+    try:
+        stat = path.stat()
+    except OSError:
+        return ""
+    return f"{stat.st_size:x}-{stat.st_mtime_ns:x}"
