@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +13,9 @@ from volviz.kernels.preintegration import extinction_sums
 from volviz.kernels.reference_rays import Plane, Rays, index_limits, index_to_world_matrix, volume_rays
 from volviz.kernels.reference_sampling import Field, Float64Array, look_up, make_field, sample_world, to_index
 from volviz.kernels.threads import map_ranges
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 class ShadowScene(NamedTuple):

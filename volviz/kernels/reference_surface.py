@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +23,9 @@ from volviz.kernels.reference_sampling import (
 )
 from volviz.kernels.statistics import finite_range
 from volviz.kernels.threads import map_ranges
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 MAX_BISECTIONS = 60
 
