@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -40,8 +41,8 @@ class ControlPoint:
 class TransferFunction:
     """Colour and opacity over the scalar value, linear between control points, constant beyond them.
 
-    Two points at one value make a jump: exactly at that value the later one counts. Opacity is the opacity of a
-    piece of ray one ``opacity_unit_distance`` long.
+    Two points at one value make a jump: exactly at that value the later one counts. Opacity is the opacity of
+    a piece of ray one ``opacity_unit_distance`` long.
 
     Attributes
     ----------
@@ -68,7 +69,7 @@ class TransferFunction:
         if not 0.0 <= self.opacity <= 1.0:
             raise InputError(f"overall opacity must lie between 0 and 1, got {self.opacity!r}.")
         values = [p.value for p in self.points]
-        if any(b < a for a, b in zip(values, values[1:], strict=False)):
+        if any(b < a for a, b in pairwise(values)):
             object.__setattr__(self, "points", tuple(sorted(self.points, key=lambda p: p.value)))
 
     # ------------------------------------------------------------------ making one
@@ -112,10 +113,12 @@ class TransferFunction:
 
     @classmethod
     def from_table(cls, table: npt.ArrayLike, *, name: str = "table") -> TransferFunction:
-        """A relative function from a table of shape (N, 4), float 0..1 or uint8, over the whole data range."""
+        """A relative function from a table of shape (N, 4), float 0..1 or uint8, over the range of data."""
         entries = np.asarray(table)
         if entries.ndim != 2 or entries.shape[1] != 4 or len(entries) < 2:
-            raise InputError(f"a colour table has the shape (N, 4) with N of at least 2, got {entries.shape}.")
+            raise InputError(
+                f"a colour table has the shape (N, 4) with N of at least 2, got {entries.shape}."
+            )
         rgba = entries.astype(np.float64) / (255.0 if entries.dtype == np.uint8 else 1.0)
         positions = np.linspace(0.0, 1.0, len(rgba))
         return cls.from_points(
@@ -168,16 +171,27 @@ class TransferFunction:
         Returns
         -------
         ndarray of shape (size, 4), float32
-            Straight RGBA; entry i belongs to ``low + i / (size - 1) * (high - low)``, so texel centres lie on the
-            entries when looked up at ``(0.5 + t * (size - 1)) / size``.
+            Straight RGBA; entry i belongs to ``low + i / (size - 1) * (high - low)``, so texel centres lie on
+            the entries when looked up at ``(0.5 + t * (size - 1)) / size``.
         """
         low, high = data_range
         if not low < high:
             high = low + 1.0
         return self.evaluate(np.linspace(low, high, size), data_range).astype(np.float32)
 
+    def table_range(self, data_range: tuple[float, float]) -> tuple[float, float]:
+        """The part of the data range between the first and the last point, where the function changes at all.
+
+        A table baked over it and looked up with clamped coordinates is right everywhere, and finer than one
+        over the whole range: one outlier of a billion would leave all other data in a single entry of that.
+        """
+        low, high = data_range
+        points = self.resolved(data_range).points
+        first, last = max(points[0].value, low), min(points[-1].value, high)
+        return (first, last) if first < last else (low, high)
+
     def visible_range(self, data_range: tuple[float, float]) -> tuple[float, float] | None:
-        """Lowest and highest value with an opacity above 0 within the data range; None when nothing is visible."""
+        """Lowest and highest value of the data with an opacity above 0; None when nothing is visible."""
         table = self.bake(data_range, MAX_TABLE)[:, 3]
         seen = np.flatnonzero(table > 0)
         if len(seen) == 0:
@@ -188,7 +202,7 @@ class TransferFunction:
     # ------------------------------------------------------------------ edits, each a new function
 
     def with_point(self, value: float, rgba: Sequence[float] | None = None) -> tuple[TransferFunction, int]:
-        """The function with one more point and the index of it; without `rgba` the curve keeps its shape there."""
+        """The function with one more point, and its index; without `rgba` the curve keeps its shape."""
         if rgba is None:
             r, g, b, a = self.evaluate([value])[0]
             rgba = (r, g, b, a / self.opacity if self.opacity else 0.0)
@@ -210,7 +224,7 @@ class TransferFunction:
         opacity: float | None = None,
         color: Sequence[float] | None = None,
     ) -> TransferFunction:
-        """The function with one point changed; its value is limited by both neighbours, so the order stays."""
+        """The function with one point changed; both neighbours limit its value, so the order stays."""
         point = self.points[index]
         if value is not None:
             if index > 0:
@@ -278,8 +292,8 @@ class TransferFunction:
 def table_size(data_range: tuple[float, float], integer: bool) -> int:
     """Number of table entries for data with that range.
 
-    Integer data with a narrow range gets a whole number of entries per value, so that control points on integers
-    fall on entries and the piecewise linear function is reproduced exactly.
+    Integer data with a narrow range gets a whole number of entries per value, so that control points on
+    integers fall on entries and the piecewise linear function is reproduced exactly.
     """
     span = data_range[1] - data_range[0]
     if integer and 1 <= span <= MAX_TABLE - 1:
