@@ -29,6 +29,8 @@ from volviz.model.volume import Volume
 #: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that all of
 #: its threads have work, and short enough to be interrupted.
 TILE = (256, 64)
+#: Pictures that are not interrupted are drawn in one piece.
+AT_ONCE_TILE = (16384, 16384)
 #: A full picture that is expected to take less than this is drawn at once instead of refined.
 AT_ONCE_SECONDS = 0.045
 
@@ -296,7 +298,7 @@ class VolumeHandle:
                 except Exception as error:
                     self._fail(error)
                 self._show(framebuffer)
-                framebuffer.release()
+                # not released: that would delete VTK's own framebuffer (moderngl collects nothing by itself)
         except Exception as error:
             self._fail(error)
 
@@ -328,7 +330,7 @@ class VolumeHandle:
 
     def _draw_at(self, fraction: float, key: Any) -> None:
         begin = time.perf_counter()
-        frame = self._frame(fraction, "full" if fraction == 1.0 else "interactive")
+        frame = self._frame(fraction, "full" if fraction == 1.0 else "interactive", tile=AT_ONCE_TILE)
         frame.target.clear()
         for chunk in range(self._plan(frame)):
             self._draw_chunk(frame, chunk)
@@ -443,7 +445,7 @@ class VolumeHandle:
         near, far = camera.GetClippingRange()
         return near * far / (far - near), far / (far - near)
 
-    def _frame(self, fraction: float, purpose: str) -> Frame:
+    def _frame(self, fraction: float, purpose: str, tile: tuple[int, int] = TILE) -> Frame:
         width, height, _, _ = self._viewport()
         size = (max(round(width * fraction), 1), max(round(height * fraction), 1))
         gpu = self._gpu.gpu
@@ -469,7 +471,7 @@ class VolumeHandle:
             tiles=(),
             uniforms={},
         )
-        frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, size, TILE)
+        frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, size, tile)
         frame.uniforms = shared_uniforms(frame)
         return frame
 
