@@ -112,7 +112,7 @@ class SamplingSettings:
     attenuation: float = parameter(
         1.0,
         "Attenuation",
-        "Attenuated maximum: how quickly structures behind bright ones fade (per box diagonal of full intensity).",
+        "Attenuated maximum: how quickly structures behind bright ones fade (per opacity unit distance of full intensity).",
         group="Sampling",
         minimum=0.0,
         maximum=50.0,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -174,6 +175,7 @@ class Frame:
     interactive: bool
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
+    _applied: set[Program] = field(default_factory=set)
 
     @property
     def box_corners(self) -> Matrix:
@@ -196,9 +198,35 @@ class Frame:
         chosen = getattr(self.settings, "opacity_unit_distance", None)
         return self.volume.mean_spacing if chosen is None else float(chosen)
 
+    def program(
+        self,
+        vertex: Path,
+        fragment: Path,
+        defines: Mapping[str, object] | None = None,
+        hooks: Mapping[str, str | Path] | None = None,
+    ) -> Program:
+        """A program with the defines that depend on the frame, ready to draw (see `apply`).
+
+        ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at; ``NEAREST``, ``SHADING`` and
+        ``GRADIENT_OPACITY`` follow the settings of these names and can be overridden.
+        """
+        settings = self.settings
+        shared: dict[str, object] = {
+            "SCENE_DEPTH": self.scene_depth is not None,
+            "NEAREST": getattr(settings, "interpolation", "linear") == "nearest",
+            "SHADING": bool(getattr(settings, "shading", False)),
+            "GRADIENT_OPACITY": getattr(settings, "gradient_opacity", 0.0) > 0,
+        }
+        program = self.gpu.programs.get(vertex, fragment, shared | dict(defines or {}), hooks)
+        self.apply(program)
+        return program
+
     def apply(self, program: Program) -> None:
         """Set every shared uniform that the program has and bind the shared textures to their units."""
-        program.set(self.uniforms)
+        # uniforms stay with the program, bindings do not survive what VTK draws between two chunks
+        if program not in self._applied:
+            program.set(self.uniforms)
+            self._applied.add(program)
         self.resources.bind(program, self)
 
 

@@ -7,9 +7,8 @@ from volviz.custom_gl.technique import Frame
 
 
 def draw_tile(frame: Frame, program: Program, tile: int) -> None:
-    """Draw the pixels of one of the frame's tiles with a program whose vertex shader is ``fullscreen.vert``."""
+    """Draw the pixels of one of the frame's tiles with a program from `Frame.program` with ``fullscreen.vert``."""
     gl = frame.gpu.gl
-    frame.apply(program)
     gl.scissor = frame.tiles[tile]
     frame.gpu.draw_fullscreen(program)
     gl.scissor = None

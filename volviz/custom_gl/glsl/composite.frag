@@ -3,30 +3,33 @@
 // forms around a mesh.
 
 uniform sampler2D t_picture;
+#if SCENE_DEPTH
 uniform sampler2D t_scene_depth;
-uniform bool u_has_scene_depth;
+#endif
 uniform vec2 u_picture_size;
-uniform bool u_enlarge;
 uniform vec2 u_depth_map;   // z_eye = x / (z_window - y) up to sign (perspective), see host
 
 in vec2 v_ndc;
 out vec4 f_color;
 
+#if SCENE_DEPTH
 float scene_depth(vec2 uv) {
     float z = textureLod(t_scene_depth, uv, 0.0).r;
     return u_depth_map.x == 0.0 ? z : u_depth_map.x / (u_depth_map.y - z);
 }
+#endif
 
 void main() {
     vec2 uv = v_ndc * 0.5 + 0.5;
-    if (!u_enlarge) {
-        f_color = texelFetch(t_picture, ivec2(uv * u_picture_size), 0);
-        return;
-    }
+#if !ENLARGE
+    f_color = texelFetch(t_picture, ivec2(uv * u_picture_size), 0);
+#else
     vec2 position = uv * u_picture_size - 0.5;
     vec2 low = floor(position);
     vec2 part = position - low;
-    float here = u_has_scene_depth ? scene_depth(uv) : 0.0;
+#if SCENE_DEPTH
+    float here = scene_depth(uv);
+#endif
     vec4 sum = vec4(0.0);
     float total = 0.0;
     for (int i = 0; i < 4; ++i) {
@@ -34,12 +37,13 @@ void main() {
         vec2 texel = clamp(low + vec2(corner), vec2(0.0), u_picture_size - 1.0);
         vec2 w2 = mix(1.0 - part, part, vec2(corner));
         float w = w2.x * w2.y + 1e-5;
-        if (u_has_scene_depth) {
-            float there = scene_depth((texel + 0.5) / u_picture_size);
-            w *= 1.0 / (1e-4 + abs(there - here) / max(abs(here), 1e-6));
-        }
+#if SCENE_DEPTH
+        float there = scene_depth((texel + 0.5) / u_picture_size);
+        w *= 1.0 / (1e-4 + abs(there - here) / max(abs(here), 1e-6));
+#endif
         sum += w * texelFetch(t_picture, ivec2(texel), 0);
         total += w;
     }
     f_color = sum / total;
+#endif
 }

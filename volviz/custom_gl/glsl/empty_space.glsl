@@ -1,13 +1,15 @@
 // Jumps over bricks in which nothing is visible. Sample positions are kept: a ray goes on at a later sample of the
 // same sequence, so the picture is that of a march without jumps.
 
-uniform sampler3D t_distance;     // chessboard distance in bricks to the nearest visible brick, / 255
+uniform sampler3D t_distance;     // / 255; up to 127: bricks to the nearest visible one; 128 + n: visible, and so are
+                                  // all bricks at most n away
 uniform vec3 u_bricks_per_texture; // bricks per unit of texture coordinate = voxels / brick size
 uniform vec3 u_brick_offset;       // -0.5 / brick size: voxel i has its centre at (i + 0.5) / N
 uniform ivec3 u_last_brick;
 
 struct Brick {
-    float distance;   // 0: something may be visible in it
+    bool visible;     // something may be visible in it
+    float reach;      // all bricks at most so many away are visible, or invisible, alike
     vec3 position;    // of the point, in bricks
     vec3 corner;      // of the brick that holds it
 };
@@ -17,7 +19,9 @@ Brick brick_at(vec3 p) {
     b.position = p * u_bricks_per_texture + u_brick_offset;
     ivec3 cell = clamp(ivec3(floor(b.position)), ivec3(0), u_last_brick);
     b.corner = vec3(cell);
-    b.distance = floor(texelFetch(t_distance, cell, 0).r * 255.0 + 0.5);
+    float code = floor(texelFetch(t_distance, cell, 0).r * 255.0 + 0.5);
+    b.visible = code > 127.0;
+    b.reach = b.visible ? code - 128.0 : code - 1.0;
     return b;
 }
 

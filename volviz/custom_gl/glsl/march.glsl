@@ -6,8 +6,9 @@
 //     MODE_SKIPS            1 when segments without visible samples may be left out
 //     MODE_SEGMENTS         1 when it wants both ends of a segment (pre-integration) instead of one sample
 //     void mode_begin(float L)
-//     bool mode_add(float front, float back, vec3 p, float length)   true = the ray can end; front = back = the
-//                           sample unless MODE_SEGMENTS; p in texture coordinates; length in world units
+//     bool mode_add(float front, float back, vec3 p, float length, bool whole)   true = the ray can end; front =
+//                           back = the sample unless MODE_SEGMENTS; p in texture coordinates; length in world
+//                           units; whole = the length is u_step
 //     vec4 mode_end()       premultiplied colour of the ray
 
 #include "rays.glsl"
@@ -32,11 +33,12 @@ void next_run(vec3 start, vec3 along, vec3 inverse_in_bricks, float inverse_step
     last = first;
     while (first < count) {
         Brick b = brick_at(start + float(first) * along);
-        if (b.distance == 0.0) {
-            last = min(first + 1 + int(block_exit(b, inverse_in_bricks, 0.0) * inverse_step), count);
+        int samples = int(block_exit(b, inverse_in_bricks, b.reach) * inverse_step);
+        if (b.visible) {
+            last = min(first + 1 + samples, count);
             break;
         }
-        first += max(int(block_exit(b, inverse_in_bricks, b.distance - 1.0) * inverse_step), 1);
+        first += max(samples, 1);
     }
 }
 #endif
@@ -47,6 +49,7 @@ vec4 march(Ray ray, vec2 pixel) {
     float inverse_step = 1.0 / u_step;
     // a last piece shorter than a thousandth of a step is rounding, not data
     int count = max(int(ceil(total * inverse_step - 1e-3)), 1);
+    if (u_first_sample == 1.0 && total >= (float(count) - 1e-3) * u_step) ++count;
     float fraction = u_jitter ? pixel_noise(pixel, u_jitter_seed) : u_first_sample;
     vec3 entry = ray.origin + ray.near * ray.direction;
     vec3 along = u_step * ray.direction;
@@ -69,7 +72,7 @@ vec4 march(Ray ray, vec2 pixel) {
         float front = sample_scalar(entry + float(k) * along);
         while (k < last) {
             float back = sample_scalar(entry + float(k + 1) * along);
-            done = mode_add(front, back, entry + (float(k) + 0.5) * along, u_step);
+            done = mode_add(front, back, entry + (float(k) + 0.5) * along, u_step, true);
             front = back;
             ++k;
             if (done) break;
@@ -79,20 +82,21 @@ vec4 march(Ray ray, vec2 pixel) {
             vec3 p = start + float(k) * along;
             float s = sample_scalar(p);
             ++k;
-            if (mode_add(s, s, p, u_step)) { done = true; break; }
+            if (mode_add(s, s, p, u_step, true)) { done = true; break; }
         }
 #endif
     }
-    if (!done) {
+    // VTK leaves the rest of a ray out when it samples the far ends of steps
+    if (!done && (MODE_SEGMENTS == 1 || u_first_sample < 1.0 || u_jitter)) {
         vec3 begin = entry + float(whole) * along;
 #if MODE_SEGMENTS
         float front = sample_scalar(begin);
         float back = sample_scalar(begin + rest * ray.direction);
-        mode_add(front, back, begin + 0.5 * rest * ray.direction, rest);
+        mode_add(front, back, begin + 0.5 * rest * ray.direction, rest, false);
 #else
         vec3 p = begin + fraction * rest * ray.direction;
         float s = sample_scalar(p);
-        mode_add(s, s, p, rest);
+        mode_add(s, s, p, rest, false);
 #endif
     }
     return mode_end();

@@ -12,8 +12,9 @@ uniform vec3 u_box_low;            // the (cropped) box in texture coordinates
 uniform vec3 u_box_high;
 uniform int u_plane_count;
 uniform vec4 u_planes[6];          // clip planes: dot(plane.xyz, texture coordinate) + plane.w >= 0 is kept
-uniform bool u_has_scene_depth;
+#if SCENE_DEPTH
 uniform sampler2D t_scene_depth;   // window depth of opaque geometry
+#endif
 
 struct Ray {
     vec3 origin;      // texture coordinates of the point on the near plane
@@ -54,10 +55,13 @@ void intersect_planes(inout Ray ray) {
 
 // World length along the ray at which opaque geometry lies; a very large number where there is none.
 float scene_distance(Ray ray, vec2 ndc) {
-    if (!u_has_scene_depth) return 1e30;
+#if SCENE_DEPTH
     float depth = textureLod(t_scene_depth, ndc * 0.5 + 0.5, 0.0).r;
     if (depth >= 1.0) return 1e30;
     return world_length(unproject(vec3(ndc, depth * 2.0 - 1.0)) - ray.origin);
+#else
+    return 1e30;
+#endif
 }
 
 Ray unclipped_ray(vec2 ndc) {

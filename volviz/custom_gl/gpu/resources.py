@@ -43,7 +43,6 @@ class VolumeResources:
         self.scalars = self._empty_scalars()
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
-        self._gradient_scale: float | None = None
 
     # ------------------------------------------------------------------ scalars
 
@@ -84,12 +83,22 @@ class VolumeResources:
     # ------------------------------------------------------------------ tables
 
     def table(self, transfer_function: TransferFunction) -> Any:
-        """The baked transfer function as a texture of one row."""
+        """The baked transfer function as a texture of one row, opacities per unit distance."""
 
         def make() -> Any:
             return self.gpu.table_texture(self._baked(transfer_function)[np.newaxis])
 
         return self._cached(self._tables, "table", transfer_function, make)
+
+    def table_per_length(self, transfer_function: TransferFunction, length: float) -> Any:
+        """As `table`, with opacities for pieces of ray of that length, in unit distances."""
+
+        def make() -> Any:
+            table = self._baked(transfer_function).copy()
+            table[:, 3] = -np.expm1(length * np.log1p(-np.minimum(table[:, 3].astype(np.float64), 1 - 1e-12)))
+            return self.gpu.table_texture(table[np.newaxis])
+
+        return self._cached(self._tables, "table per length", (transfer_function, length), make)
 
     def preintegrated(self, transfer_function: TransferFunction, size: int) -> Any:
         """Straight mean colour and opacity per unit distance over (front, back), `size` entries each way."""
@@ -139,7 +148,9 @@ class VolumeResources:
         return self._cached(self._distances, "isovalues", key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
-        distance = chessboard_distance(occupied)
+        empty = np.minimum(chessboard_distance(occupied), 127)
+        visible = np.minimum(chessboard_distance(~occupied), 128) + 127
+        distance = np.where(occupied, visible, empty).astype(np.uint8)
         z, y, x = distance.shape
         texture = self.gpu.gl.texture3d((x, y, z), 1, distance.tobytes(), alignment=1)
         texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
@@ -149,15 +160,8 @@ class VolumeResources:
 
     @property
     def gradient_scale(self) -> float:
-        """Gradient that counts as largest, in fractions of the data range per world unit."""
-        if self._gradient_scale is None:
-            low, high = self.volume.range
-            bricks = bricks_of(self.volume)
-            # a brick's span over its narrowest spacing bounds no gradient, but scales well with what is seen:
-            # half of the range within two voxels is a sharp edge in any data
-            span = float(np.percentile(bricks.high - bricks.low, 99)) if high > low else 1.0
-            self._gradient_scale = max(span / max(high - low, 1e-30), 1e-6) / (4.0 * min(self.volume.spacing))
-        return self._gradient_scale
+        """Gradient from which on gradient opacity takes nothing away: a quarter of the range per mean spacing."""
+        return 0.25 / self.volume.mean_spacing
 
     # ------------------------------------------------------------------ binding
 
@@ -168,8 +172,7 @@ class VolumeResources:
         if "t_table" in units:
             program.use_texture("t_table", self.table(frame.transfer_function))
         if "t_scene_depth" in units:
-            depth = frame.scene_depth if frame.scene_depth is not None else self.gpu.blank_texture()
-            depth.use(units["t_scene_depth"])
+            frame.scene_depth.use(units["t_scene_depth"])
         if "t_preintegrated" in units:
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
             program.use_texture("t_preintegrated", self.preintegrated(frame.transfer_function, size))

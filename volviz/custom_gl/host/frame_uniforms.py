@@ -50,13 +50,12 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_box_high": tuple(crop[:, 1] * scale + offset),
         "u_plane_count": len(frame.planes),
         "u_planes": _planes(frame, to_world),
-        "u_has_scene_depth": frame.scene_depth is not None,
         "u_size": tuple(float(n) for n in frame.size),
         "u_scalar_map": (texels.scale, texels.offset),
         "u_voxels": tuple(1.0 / scale),
         "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
         "u_gradient_delta": value("gradient_delta", 1.0),
-        "u_table_map": ((entries - 1) / entries, 0.5 / entries),
+        "u_table_last": float(entries - 1),
         "u_density_threshold": value("density_threshold", 0.0),
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
         "u_gradient_opacity": value("gradient_opacity", 0.0),
@@ -72,7 +71,7 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_early_termination": value("early_termination", 1.0 - 1.0 / 255.0),
         "u_jitter": bool(getattr(settings, "jitter", False)),
         "u_jitter_seed": float(frame.sequence),
-        "u_attenuation": value("attenuation", 1.0) / extent,
+        "u_attenuation": value("attenuation", 1.0),
     }  # fmt: skip
     if hasattr(settings, "step"):
         uniforms["u_step"] = frame.step_world

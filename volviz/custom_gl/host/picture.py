@@ -43,12 +43,14 @@ def composite(
         Write the picture's own depth where it has any.
     """
     gl = gpu.gl
-    program = gpu.programs.get(GLSL / "fullscreen.vert", GLSL / "composite.frag")
+    program = gpu.programs.get(
+        GLSL / "fullscreen.vert",
+        GLSL / "composite.frag",
+        {"ENLARGE": target.size != viewport[2:], "SCENE_DEPTH": scene_depth is not None},
+    )
     program.set(
         {
-            "u_has_scene_depth": scene_depth is not None,
             "u_picture_size": tuple(float(n) for n in target.size),
-            "u_enlarge": target.size != viewport[2:],
             "u_depth_map": depth_map,
         }
     )

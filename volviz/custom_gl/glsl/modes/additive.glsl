@@ -7,7 +7,7 @@ vec4 g_sum;
 
 void mode_begin(float total) { g_sum = vec4(0.0); }
 
-bool mode_add(float front, float back, vec3 p, float length_of_segment) {
+bool mode_add(float front, float back, vec3 p, float length_of_segment, bool whole) {
     vec4 c = shaded_sample(front, p);
     float depth = extinction(c.a) * length_of_segment;
     g_sum += vec4(c.rgb * depth, depth);

@@ -3,20 +3,22 @@
 #define MODE_SEGMENTS 0
 #include "modes/scalar_result.glsl"
 
-uniform float u_attenuation;   // per world unit
+uniform float u_attenuation;   // per opacity unit distance
 
-float g_extreme;
+float g_extreme;   // negative: no sample counted yet
 float g_integral;
 
 void mode_begin(float total) {
-    g_extreme = 0.0;
+    g_extreme = -1.0;
     g_integral = 0.0;
 }
 
-bool mode_add(float front, float back, vec3 p, float length_of_segment) {
-    g_extreme = max(g_extreme, front * exp(-u_attenuation * g_integral));
-    g_integral += front * length_of_segment;
+bool mode_add(float front, float back, vec3 p, float length_of_segment, bool whole) {
+    if (front < u_density_threshold) return false;
+    float s = clamp(front, 0.0, 1.0);
+    g_extreme = max(g_extreme, s * exp(-u_attenuation * g_integral));
+    g_integral += s * length_of_segment * u_inverse_unit_distance;
     return false;
 }
 
-vec4 mode_end() { return classified_result(g_extreme); }
+vec4 mode_end() { return g_extreme < 0.0 ? vec4(0.0) : classified_result(g_extreme); }

@@ -11,10 +11,11 @@ void mode_begin(float total) {
     g_total = 0.0;
 }
 
-bool mode_add(float front, float back, vec3 p, float length_of_segment) {
-    g_sum += front * length_of_segment;
-    g_total += length_of_segment;
+bool mode_add(float front, float back, vec3 p, float length_of_segment, bool whole) {
+    float weight = front >= u_density_threshold ? length_of_segment : 0.0;
+    g_sum += front * weight;
+    g_total += weight;
     return false;
 }
 
-vec4 mode_end() { return classified_result(g_sum / max(g_total, 1e-20)); }
+vec4 mode_end() { return g_total > 0.0 ? classified_result(g_sum / g_total) : vec4(0.0); }

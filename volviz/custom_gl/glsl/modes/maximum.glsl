@@ -7,9 +7,9 @@ float g_extreme;
 
 void mode_begin(float total) { g_extreme = -1.0; }
 
-bool mode_add(float front, float back, vec3 p, float length_of_segment) {
-    g_extreme = max(g_extreme, front);
+bool mode_add(float front, float back, vec3 p, float length_of_segment, bool whole) {
+    if (front >= u_density_threshold) g_extreme = max(g_extreme, front);
     return false;
 }
 
-vec4 mode_end() { return classified_result(g_extreme); }
+vec4 mode_end() { return g_extreme < 0.0 ? vec4(0.0) : classified_result(g_extreme); }

@@ -10,9 +10,8 @@ vec4 g_sum;
 
 void mode_begin(float total) { g_sum = vec4(0.0); }
 
-bool mode_add(float front, float back, vec3 p, float length_of_segment) {
+bool mode_add(float front, float back, vec3 p, float length_of_segment, bool whole) {
     vec4 c = textureLod(t_preintegrated, vec2(front, back) * u_preintegrated_map.x + u_preintegrated_map.y, 0.0);
-    if (0.5 * (front + back) < u_density_threshold) c.a = 0.0;
 #if SHADING || GRADIENT_OPACITY
     if (c.a > 0.0) {
         vec3 gradient = world_gradient(p);

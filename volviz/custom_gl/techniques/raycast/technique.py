@@ -29,14 +29,20 @@ class Raycast:
         mode = settings.mode
         if mode == "composite" and settings.preintegrated:
             mode = "preintegrated"
-        defines = {
-            "NEAREST": settings.interpolation == "nearest",
-            "SHADING": settings.shading,
-            "GRADIENT_OPACITY": settings.gradient_opacity > 0,
-        }
-        return frame.gpu.programs.get(
-            GLSL / "fullscreen.vert", _FRAGMENT, defines, {"mode": f"modes/{mode}.glsl"}
+        # opacities per step in the table save a power per sample; gradient opacity must act before the correction
+        per_step = mode == "composite" and not settings.gradient_opacity
+        program = frame.program(
+            GLSL / "fullscreen.vert",
+            _FRAGMENT,
+            {"TABLE_PER_STEP": per_step},
+            {"mode": f"modes/{mode}.glsl"},
         )
+        if per_step:
+            length = frame.step_world / frame.unit_distance
+            table = frame.resources.table_per_length(frame.transfer_function, length)
+            program.use_texture("t_table", table)
+            program.set({"u_inverse_unit_distance": 1.0 / frame.step_world})
+        return program
 
     def release(self) -> None:
         """It holds nothing of its own."""
