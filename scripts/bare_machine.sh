@@ -4,7 +4,8 @@
 #
 #   scripts/bare_machine.sh [ROOT]          default ROOT: /tmp/volviz-bare; an existing base in ROOT.base is used again
 #
-#   SUITE   Debian suite (bookworm)
+#   SUITE   Debian suite (bookworm); with OPTIONS also one of Ubuntu
+#   OPTIONS more options of debootstrap, for example "--components=main,universe"
 #   MIRROR  Debian mirror (default: the first one in apt's own configuration)
 #   BINDS   folders of this machine to show in the root, read-only (for example a folder of wheels)
 #   KEEP    1 leaves the root in place
@@ -44,7 +45,10 @@ command -v debootstrap >/dev/null || { echo "debootstrap is missing: apt-get ins
 if [ ! -d "$root.base" ]; then
     mirror=${MIRROR:-$(first_mirror)}
     say "debootstrap $suite from $mirror"
-    debootstrap --variant=minbase --include=python3,make,git,ca-certificates "$suite" "$root.base" "$mirror" >/dev/null
+    # OPTIONS is a list of words.
+    # shellcheck disable=SC2086
+    debootstrap --variant=minbase --include=python3,make,git,ca-certificates ${OPTIONS:-} \
+        "$suite" "$root.base" "$mirror" >/dev/null
 fi
 cp -a --reflink=auto "$root.base" "$root"
 

@@ -11,6 +11,7 @@ renamed some packages, but provides the old names too).
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 import shutil
 import sys
@@ -150,9 +151,14 @@ def package_for(message: str) -> str | None:
         For example ``libxcb-icccm.so.4: cannot open shared object file: No such file or directory``.
     """
     found = _LOADER_MESSAGE.search(message)
-    return PACKAGE_OF.get(found["soname"]) if found else None
+    soname = found["soname"] if found else ""
+    while soname and soname not in PACKAGE_OF:
+        # Some wheels ask for the full version: libgomp.so.1.0.0 is what the table calls libgomp.so.1.
+        soname = soname.rpartition(".")[0]
+    return PACKAGE_OF.get(soname)
 
 
 def install_command(packages: list[str]) -> str:
-    """The command that installs Debian packages, without `sudo`."""
-    return "apt-get install -y --no-install-recommends " + " ".join(packages)
+    """The command that installs Debian packages, with `sudo` for those who need it."""
+    prefix = "" if hasattr(os, "geteuid") and os.geteuid() == 0 else "sudo "
+    return prefix + "apt-get install -y --no-install-recommends " + " ".join(packages)

@@ -21,6 +21,7 @@ from volviz.system_libraries import LIBRARIES, load_error, missing_packages, pac
             "ImportError: libEGL.so.1: cannot open shared object file: No such file or directory",
             "libegl1",
         ),
+        ("libgomp.so.1.0.0: cannot open shared object file: No such file or directory", "libgomp1"),
         ("libunheard-of.so.3: cannot open shared object file: No such file or directory", None),
         ("Segmentation fault", None),
     ],
