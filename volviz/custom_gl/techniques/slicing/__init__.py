@@ -1,0 +1,27 @@
+"""View-aligned 3D-texture slicing."""
+
+from __future__ import annotations
+
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.slicing.settings import DISPLAYS, SlicingSettings
+from volviz.custom_gl.techniques.slicing.technique import Slicing
+
+TECHNIQUE = TechniqueInfo(
+    id="slicing",
+    label="Slicing",
+    summary="Polygons perpendicular to the view, textured with the volume and blended back to front.",
+    settings=SlicingSettings,
+    create=Slicing,
+    displays=DISPLAYS,
+    classic={"slices": 256},
+    inert={
+        "attenuation": "acts in the mode attenuated_maximum",
+        "ambient": "acts with shading",
+        "diffuse": "acts with shading",
+        "specular": "acts with shading",
+        "shininess": "acts with shading",
+        "gradient_delta": "acts with shading or gradient opacity",
+        "early_termination": "slices are blended by the hardware, which cannot stop",
+    },
+    order=20,
+)

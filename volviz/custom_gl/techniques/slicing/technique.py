@@ -1,0 +1,178 @@
+"""View-aligned slicing: textured polygons perpendicular to the view, blended by the hardware."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import moderngl
+
+from volviz.custom_gl.gpu.programs import Program
+from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.technique import Frame
+from volviz.custom_gl.techniques.slicing.polygons import SlicePolygons
+
+_HERE = Path(__file__).parent
+
+#: Fragments that one chunk may draw: about 20 ms on software OpenGL.
+CHUNK_FRAGMENTS = 1_500_000
+
+_OVER = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+_ADD = (moderngl.ONE, moderngl.ONE)
+
+#: Per mode: blend file, blend function, blend equation, value the accumulation target starts with. Compositing
+#: blends into the frame's own target, the others into one that is resolved at the end.
+_MODES: dict[str, tuple[str, tuple[int, int], int, float | None]] = {
+    "composite": ("composite", _OVER, moderngl.FUNC_ADD, None),
+    "additive": ("additive", _ADD, moderngl.FUNC_ADD, 0.0),
+    "average": ("average", _ADD, moderngl.FUNC_ADD, 0.0),
+    "maximum": ("extreme", _ADD, moderngl.MAX, -1.0),
+    "minimum": ("extreme", _ADD, moderngl.MIN, 2.0),
+    "attenuated_maximum": ("attenuated", _ADD, moderngl.MAX, -1.0),
+}
+
+
+class Slicing:
+    """Draws slices back to front, tile by tile and some slices at a time."""
+
+    def __init__(self) -> None:
+        self.polygons = SlicePolygons()
+        self._arrays: dict[int, tuple[Any, Any]] = {}
+        self._parts: list[tuple[int, int, int]] = []
+
+    def plan(self, frame: Frame) -> int:
+        """Slices of one tile are cut into parts; a mode that is resolved and the outlines take one chunk each."""
+        self.polygons.update(frame)
+        self._parts = []
+        if frame.settings.display != "wireframe":
+            for tile, (_, _, width, height) in enumerate(frame.tiles):
+                per_part = max(CHUNK_FRAGMENTS // (width * height), 1)
+                for start in range(0, self.polygons.count, per_part):
+                    self._parts.append((tile, start, min(start + per_part, self.polygons.count)))
+        if self._parts:
+            self._begin(frame)
+        return len(self._parts) + 1
+
+    def draw(self, frame: Frame, chunk: int) -> None:
+        """Some slices of one tile; the last chunk resolves the mode and draws the outlines."""
+        if chunk < len(self._parts):
+            self._draw_part(frame, *self._parts[chunk])
+            return
+        if frame.settings.mode != "composite" and self._parts:
+            self._resolve(frame)
+        if frame.settings.display != "image":
+            self._draw_outlines(frame)
+
+    # ------------------------------------------------------------------ slices
+
+    def _begin(self, frame: Frame) -> None:
+        start = _MODES[frame.settings.mode][3]
+        if start is not None:
+            self._accumulation(frame).fbo.clear(start, start, start, start)
+        if frame.settings.mode == "attenuated_maximum":
+            self._integral(frame).fbo.clear(0.0, 0.0, 0.0, 0.0)
+
+    def _draw_part(self, frame: Frame, tile: int, start: int, stop: int) -> None:
+        gl = frame.gpu.gl
+        mode = frame.settings.mode
+        blend, function, equation, first_value = _MODES[mode]
+        program = self._program(frame, blend)
+        if first_value is not None:
+            self._accumulation(frame).fbo.use()
+        gl.scissor = frame.tiles[tile]
+        gl.enable_only(moderngl.BLEND)
+        if mode == "attenuated_maximum":
+            self._draw_attenuated(frame, program, frame.tiles[tile], start, stop)
+        else:
+            gl.blend_func, gl.blend_equation = function, equation
+            self._render(frame, program, start, stop)
+        gl.blend_equation = moderngl.FUNC_ADD
+        gl.scissor = None
+
+    def _draw_attenuated(
+        self, frame: Frame, program: Program, tile: tuple[int, int, int, int], start: int, stop: int
+    ) -> None:
+        """Front to back, each slice first into the maximum and then into the integral it is weakened by."""
+        gl = frame.gpu.gl
+        adding = self._program(frame, "integral")
+        integral, extreme = self._integral(frame), self._accumulation(frame)
+        count = self.polygons.count
+        for step in range(start, stop):
+            s = count - 1 - step
+            for target, drawing, equation in (
+                (extreme, program, moderngl.MAX), (integral, adding, moderngl.FUNC_ADD),
+            ):  # fmt: skip
+                target.fbo.use()
+                gl.scissor = tile
+                gl.blend_func, gl.blend_equation = _ADD, equation
+                if target is extreme:
+                    drawing.use_texture("t_integral", integral.color)
+                self._render(frame, drawing, s, s + 1)
+
+    def _render(self, frame: Frame, program: Program, start: int, stop: int) -> None:
+        first = self.polygons.first
+        vertices = int(first[stop] - first[start])
+        if vertices:
+            self._array(frame, program).render(moderngl.TRIANGLES, vertices=vertices, first=int(first[start]))
+
+    def _program(self, frame: Frame, blend: str) -> Program:
+        program = frame.program(
+            _HERE / "slicing.vert", _HERE / "slicing.frag", hooks={"blend": _HERE / "blends" / f"{blend}.glsl"}
+        )
+        program.set(
+            {"u_slice_distance": self.polygons.distance, "u_perspective": not frame.camera.parallel}
+        )
+        return program
+
+    # ------------------------------------------------------------------ the other chunks
+
+    def _resolve(self, frame: Frame) -> None:
+        mode = frame.settings.mode
+        defines = {"RESOLVE_ADDITIVE": mode == "additive", "RESOLVE_AVERAGE": mode == "average"}
+        program = frame.program(GLSL / "fullscreen.vert", _HERE / "resolve.frag", defines)
+        frame.target.fbo.use()
+        program.use_texture("t_accumulated", self._accumulation(frame).color)
+        for tile in frame.tiles:
+            frame.gpu.gl.scissor = tile
+            frame.gpu.draw_fullscreen(program)
+
+    def _draw_outlines(self, frame: Frame) -> None:
+        gl = frame.gpu.gl
+        program = frame.program(_HERE / "slicing.vert", _HERE / "outline.frag")
+        # the more slices, the fainter each: together they must not fill the picture
+        alpha = min(1.0, 0.12 + 8.0 / max(self.polygons.count, 1))
+        program.set({"u_outline_color": (0.25 * alpha, 0.75 * alpha, 1.0 * alpha, alpha)})
+        gl.enable_only(moderngl.BLEND)
+        gl.blend_func = _OVER
+        buffer, vertices = self.polygons.outlines(frame)
+        array = gl.vertex_array(program.gl, [(buffer, "3f", "a_position")])
+        array.render(moderngl.LINES, vertices=vertices)
+        array.release()
+
+    # ------------------------------------------------------------------ objects on the GPU
+
+    def _accumulation(self, frame: Frame) -> Target:
+        return frame.gpu.targets.get(f"slicing accumulation {id(self)} {frame.interactive}", frame.size, depth=False)
+
+    def _integral(self, frame: Frame) -> Target:
+        return frame.gpu.targets.get(f"slicing integral {id(self)} {frame.interactive}", frame.size, depth=False)
+
+    def _array(self, frame: Frame, program: Program) -> Any:
+        """The vertex array of a program, remade when the buffer was."""
+        buffer = self.polygons.buffer
+        held = self._arrays.get(program.gl.glo)
+        if held is not None and held[0] is buffer:
+            return held[1]
+        if held is not None:
+            held[1].release()
+        array = frame.gpu.gl.vertex_array(program.gl, [(buffer, "3f", "a_position")])
+        self._arrays[program.gl.glo] = (buffer, array)
+        return array
+
+    def release(self) -> None:
+        """Release buffers and vertex arrays."""
+        for _, array in self._arrays.values():
+            array.release()
+        self._arrays.clear()
+        self.polygons.release()
