@@ -20,6 +20,7 @@ import numpy as np
 from volviz.io.axes import choose, to_zyx
 from volviz.io.geometry import RAS_TO_LPS, Geometry, is_usable
 from volviz.io.reader import stem
+from volviz.io.scaling import rescaled
 from volviz.io.stored import Stored, check_sizes, read_stored
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ def read(job: Job) -> Volume:
         job.note("Complex values are shown as their magnitude.")
         array = np.abs(array)
     elif code not in _COLOURS:
-        array = _scaled(array, float(header["scl_slope"]), float(header["scl_inter"]))
+        array = rescaled(array, float(header["scl_slope"]), float(header["scl_inter"]))
     geometry = Geometry.from_affine(_affine(header, job))
     return job.volume(array, geometry, format="NIfTI", name=stem(job.path, SUFFIXES), length_unit="mm")
 
@@ -183,27 +184,6 @@ def _affine(header: dict[str, Any], job: Job) -> npt.NDArray[np.float64]:
         matrix = np.diag([*steps, 1.0])
     unit = _MILLIMETRES.get(int(header["xyzt_units"]) & 7, 1.0)
     return np.asarray(RAS_TO_LPS @ matrix[:3] * unit)
-
-
-def _scaled(array: npt.NDArray[Any], slope: float, intercept: float) -> npt.NDArray[Any]:
-    """``array * slope + intercept``; whole-numbered scalings of small integers stay integers.
-
-    A slope of 0 (or one that is not finite) means that the values are not scaled.
-    """
-    if slope == 0 or not np.isfinite(slope) or not np.isfinite(intercept) or (slope, intercept) == (1.0, 0.0):
-        return array
-    kind, size = array.dtype.kind, array.dtype.itemsize
-    if kind in "ui" and size <= 2 and slope.is_integer() and intercept.is_integer():
-        limits = np.iinfo(array.dtype)
-        ends = [limits.min * slope + intercept, limits.max * slope + intercept]
-        for small in (np.int16, np.uint16, np.int32):
-            if np.iinfo(small).min <= min(ends) and max(ends) <= np.iinfo(small).max:
-                return (array.astype(np.int64) * int(slope) + int(intercept)).astype(small)
-    real = np.dtype(np.float64 if size > 4 or (kind in "ui" and size == 4) else np.float32)
-    result = array.astype(real)
-    result *= real.type(slope)
-    result += real.type(intercept)
-    return result
 
 
 def _layout(head: bytes) -> tuple[dict[str, Any], Order] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from volviz.io import metaimage, nifti, nrrd, numpy_files, raw
+from volviz.io import dicom, metaimage, nifti, nrrd, numpy_files, raw, tiff, vtk_files
 from volviz.io.reader import Reader
 
 #: Asked in this order; the raw reader comes last because it believes a name.
@@ -10,6 +10,10 @@ READERS: tuple[Reader, ...] = (
     Reader("NIfTI", nifti.SUFFIXES, nifti.sniff, nifti.read),
     Reader("NRRD", nrrd.SUFFIXES, nrrd.sniff, nrrd.read),
     Reader("MetaImage", metaimage.SUFFIXES, metaimage.sniff, metaimage.read),
+    Reader("VTK image", vtk_files.SUFFIXES, vtk_files.sniff, vtk_files.read),
+    # before TIFF: the first 128 bytes of a DICOM file are free and often hold a TIFF header
+    Reader("DICOM", dicom.SUFFIXES, dicom.sniff, dicom.read),
+    Reader("TIFF", tiff.SUFFIXES, tiff.sniff, tiff.read),
     Reader("NumPy", numpy_files.SUFFIXES, numpy_files.sniff, numpy_files.read),
     Reader("Raw", raw.SUFFIXES, raw.sniff, raw.read),
 )

@@ -1,0 +1,51 @@
+"""Stored values to the values they stand for: ``value = slope * stored + intercept``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+
+def rescaled(array: npt.NDArray[Any], slope: float, intercept: float) -> npt.NDArray[Any]:
+    """Apply slope and intercept in the smallest type that holds the result.
+
+    Whole numbers stay whole: int16 values with an intercept of -1024 stay int16 when they fit. Everything
+    else becomes float32, or float64 where float32 would lose digits of the stored integers.
+
+    Parameters
+    ----------
+    array : ndarray
+        Stored values.
+    slope, intercept : float
+        A slope of 0, or numbers that are not finite, mean "not scaled", as in NIfTI.
+
+    Returns
+    -------
+    ndarray
+        `array` itself when nothing is to be done.
+    """
+    unusable = slope == 0 or not np.isfinite(slope) or not np.isfinite(intercept)
+    if unusable or (slope, intercept) == (1.0, 0.0):
+        return array
+    kind, size = array.dtype.kind, array.dtype.itemsize
+    if kind in "ui" and size <= 4 and float(slope).is_integer() and float(intercept).is_integer():
+        ends = [
+            int(array.min()) * int(slope) + int(intercept),
+            int(array.max()) * int(slope) + int(intercept),
+        ]
+        for whole in (np.uint8, np.int16, np.uint16, np.int32):
+            if np.iinfo(whole).min <= min(ends) and max(ends) <= np.iinfo(whole).max:
+                # int64 in between, slab by slab: stored and final type may both be too narrow for a product
+                result = np.empty(array.shape, whole)
+                for slab, out in zip(array, result, strict=True):
+                    out[...] = slab.astype(np.int64) * int(slope) + int(intercept)
+                return result
+    real = np.dtype(np.float64 if size > 4 or (kind in "ui" and size == 4) else np.float32)
+    values = array.astype(real)
+    values *= real.type(slope)
+    values += real.type(intercept)
+    return values
