@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from volviz.kernels.marching.components import face_components, keep_components
 from volviz.kernels.marching.extract import marching_cubes
 
-__all__ = ["marching_cubes"]
+__all__ = ["marching_cubes", "face_components", "keep_components"]

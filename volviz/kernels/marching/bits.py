@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 
 _LANES = 64
 
@@ -129,3 +130,23 @@ def step_counters(
         return context.get_dummy_value()
 
     return signature, codegen
+
+
+def subtract(first: Any, second: Any, like: Any) -> Any:
+    """``first - second`` without overflow, as a number of the type of `like`; for compiled code."""
+    return type(like)(first) - type(like)(second)
+
+
+@overload(subtract, inline="always")
+def _subtract(first: Any, second: Any, like: Any) -> Any:
+    if isinstance(first, types.Integer) and first.bitwidth <= 32:
+        # One conversion instead of two, and still exact.
+        def of_integers(first: Any, second: Any, like: Any) -> Any:
+            return type(like)(np.int64(first) - np.int64(second))
+
+        return of_integers
+
+    def of_others(first: Any, second: Any, like: Any) -> Any:
+        return type(like)(first) - type(like)(second)
+
+    return of_others

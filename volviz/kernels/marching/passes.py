@@ -24,7 +24,13 @@ from volviz.errors import Cancelled
 from volviz.kernels.arrays import native_slab
 from volviz.kernels.compiled import compiled
 from volviz.kernels.marching.lattice import Lattice
-from volviz.kernels.marching.rows import count_vertices, list_active_cells, mark_inside, words_in_row
+from volviz.kernels.marching.rows import (
+    cell_words,
+    count_vertices,
+    list_active_cells,
+    mark_inside,
+    words_in_row,
+)
 from volviz.kernels.marching.tables import CellTables
 from volviz.kernels.marching.triangles import NUMBER_TRIANGLES
 from volviz.kernels.marching.vertices import COLUMNS, Geometry, place_vertices
@@ -34,7 +40,7 @@ Array = npt.NDArray[Any]
 
 #: Voxels in a piece of work: large enough for the cost of handing it over, small enough for even loads and
 #: progress.
-PIECE_VOXELS = 1 << 20
+PIECE_VOXELS = 1 << 21
 #: A volume smaller than this is not worth a second thread.
 SINGLE_PIECE_VOXELS = 1 << 16
 
@@ -87,6 +93,7 @@ class Extraction:
         self.cancel = cancel
         depth, height, width = self.samples.shape
         self.bits = np.empty((depth, height, words_in_row(width)), np.uint64)
+        self.cells = cell_words(width)
         self.steps = np.array(tables.steps, np.int64)
         # Kinds of vertices: one for each step, and one more for vertices in the middle of cells.
         self.has_middles = any(edge.step == 0 for edge in tables.edges)
@@ -191,11 +198,13 @@ class Extraction:
     def list_cells(self, _number: int, first: int, stop: int) -> Array:
         """Count crossed edges and list active cells of some planes."""
         width = self.samples.shape[2]
-        count_vertices(self.bits, width, self.steps, self.vertex_starts, first, self._planes(first, stop))
+        count_vertices(
+            self.bits, self.cells, self.steps, self.vertex_starts, first, self._planes(first, stop)
+        )
         room = np.empty((stop - first) * (self.samples.shape[1] - 1) * (width - 1) + 4, np.uint8)
         cells = list_active_cells(
             self.bits,
-            width,
+            self.cells,
             self.tables.triangle_count,
             room,
             self.cell_counts,
@@ -252,7 +261,7 @@ class Extraction:
         slab = native_slab(self.samples, slab_first, min(stop + 2, depth))
         columns = np.empty(COLUMNS, geometry.directions.dtype)
         place_vertices(
-            slab, slab_first, self.bits, self.isovalue, self.steps, self.vertex_starts,
+            slab, slab_first, self.bits, self.cells, self.isovalue, self.steps, self.vertex_starts,
             geometry, columns, vertices, normals, first, stop,
         )  # fmt: skip
 

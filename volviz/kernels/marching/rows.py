@@ -19,7 +19,6 @@ Array = npt.NDArray[Any]
 
 _ONE = np.uint64(1)
 _NONE = np.uint64(0)
-_ALL = np.uint64(0xFFFF_FFFF_FFFF_FFFF)
 _LAST = np.uint64(63)
 
 
@@ -66,55 +65,59 @@ def mark_inside(slab: Array, threshold: Any, bits: Array, first: int) -> None:
             row[words - 1] = _NONE
 
 
-@compiled
-def crossings(bits: Array, z: int, y: int, end_z: int, end_y: int, w: int, sideways: int, width: int) -> Any:
-    """Word w of the edges from row (z, y) to row (end_z, end_y) that are crossed.
+def cell_words(voxels: int) -> npt.NDArray[np.uint64]:
+    """Words of a row in which the first voxel of every cell is set: all voxels but the last.
 
     Parameters
     ----------
-    bits : ndarray of shape (Z, Y, words), uint64
-        See `mark_inside`.
-    z, y, end_z, end_y : int
-        The rows where the edges start and end.
-    w : int
-        Which word.
+    voxels : int
+        Voxels in a row, at least 1.
+
+    Returns
+    -------
+    ndarray of shape (words - 1,), uint64
+    """
+    cells = (1 << voxels - 1) - 1
+    words = [cells >> 64 * w & 0xFFFF_FFFF_FFFF_FFFF for w in range(words_in_row(voxels) - 1)]
+    return np.array(words, np.uint64)
+
+
+@compiled
+def crossings(bits: Array, near: Any, far: Any, sideways: Any, cells: Any) -> Any:
+    """One word of the edges from one row to another that are crossed.
+
+    Parameters
+    ----------
+    bits : ndarray of shape (Z * Y * words,), uint64
+        See `mark_inside`, flat.
+    near, far : int
+        Positions of the words of the row where the edges start, and of the row where they end.
     sideways : int
         1 when the edges also go one voxel to the right, else 0.
-    width : int
-        Voxels in a row.
+    cells : uint64
+        This word of `cell_words`.
     """
     if sideways == 0:
-        return bits[z, y, w] ^ bits[end_z, end_y, w]
-    return (bits[z, y, w] ^ shifted(bits, end_z, end_y, w)) & cells_of_word(w, width)
+        return bits[np.uintp(near)] ^ bits[np.uintp(far)]
+    return (bits[np.uintp(near)] ^ shifted(bits, np.uintp(far))) & cells
 
 
 @compiled
-def shifted(bits: Array, z: int, y: int, w: int) -> Any:
-    """Word w of row (z, y) moved by one voxel to the left: bit x holds voxel x + 1."""
-    return (bits[z, y, w] >> _ONE) | (bits[z, y, w + 1] << _LAST)
+def shifted(bits: Array, at: Any) -> Any:
+    """A word of a row moved by one voxel to the left: bit x holds voxel x + 1; `bits` is flat."""
+    return (bits[at] >> _ONE) | (bits[at + np.uintp(1)] << _LAST)
 
 
 @compiled
-def cells_of_word(w: int, width: int) -> Any:
-    """Bits of word w that start a cell: all but the last voxel of the row and what follows it."""
-    cells = width - 1 - w * 64
-    if cells >= 64:
-        return _ALL
-    if cells <= 0:
-        return _NONE
-    return (_ONE << np.uint64(cells)) - _ONE
-
-
-@compiled
-def count_vertices(bits: Array, width: int, steps: Array, counts: Array, first: int, stop: int) -> None:
+def count_vertices(bits: Array, cells: Array, steps: Array, counts: Array, first: int, stop: int) -> None:
     """Count the crossed edges that start in each row of the planes first..stop-1.
 
     Parameters
     ----------
     bits : ndarray of shape (Z, Y, words), uint64
         See `mark_inside`.
-    width : int
-        Voxels in a row.
+    cells : ndarray of shape (words - 1,), uint64
+        See `cell_words`.
     steps : ndarray of shape (K,), int64
         Kinds of edges, see `volviz.kernels.marching.cube`.
     counts : ndarray of shape (Z, K, Y), integers
@@ -123,21 +126,23 @@ def count_vertices(bits: Array, width: int, steps: Array, counts: Array, first: 
         Range of planes.
     """
     depth, height, words = bits.shape
+    flat = bits.reshape(bits.size)
     for z in range(first, stop):
         for k in range(steps.size):
             dx, dy, dz = steps[k] & 1, steps[k] >> 1 & 1, steps[k] >> 2 & 1
             for y in range(height):
                 total = _NONE
                 if y + dy < height and z + dz < depth:
+                    near, far = (z * height + y) * words, ((z + dz) * height + y + dy) * words
                     for w in range(words - 1):
-                        total += bit_count(crossings(bits, z, y, z + dz, y + dy, w, dx, width))
+                        total += bit_count(crossings(flat, near + w, far + w, dx, cells[w]))
                 counts[z, k, y] = total
 
 
 @compiled
 def list_active_cells(
     bits: Array,
-    width: int,
+    cells: Array,
     triangle_count: Array,
     configurations: Array,
     cell_counts: Array,
@@ -151,8 +156,8 @@ def list_active_cells(
     ----------
     bits : ndarray of shape (Z, Y, words), uint64
         See `mark_inside`.
-    width : int
-        Voxels in a row.
+    cells : ndarray of shape (words - 1,), uint64
+        See `cell_words`.
     triangle_count : ndarray of shape (N,), uint8
         Triangles of each case.
     configurations : ndarray, uint8
@@ -169,18 +174,27 @@ def list_active_cells(
     """
     height, words = bits.shape[1], bits.shape[2]
     cases = np.zeros(65, np.uint8)
+    flat = bits.reshape(bits.size)
     position = np.uintp(0)
     for z in range(first, stop):
         for y in range(height - 1):
             row_start = position
             triangles = 0
-            for w in range(words - 1):
-                a, b = bits[z, y, w], bits[z, y + 1, w]
-                c, d = bits[z + 1, y, w], bits[z + 1, y + 1, w]
+            row = np.uintp((z * height + y) * words)
+            for w in range(np.uintp(words - 1)):
+                # Rows (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1).
+                at0 = row + w
+                at1, at2 = at0 + np.uintp(words), at0 + np.uintp(height * words)
+                at3 = at2 + np.uintp(words)
+                a, b, c, d = flat[at0], flat[at1], flat[at2], flat[at3]
                 some, every = a | b | c | d, a & b & c & d
-                a1, b1 = shifted(bits, z, y, w), shifted(bits, z, y + 1, w)
-                c1, d1 = shifted(bits, z + 1, y, w), shifted(bits, z + 1, y + 1, w)
-                active = (some | a1 | b1 | c1 | d1) & ~(every & a1 & b1 & c1 & d1) & cells_of_word(w, width)
+                a1, b1, c1, d1 = (
+                    shifted(flat, at0),
+                    shifted(flat, at1),
+                    shifted(flat, at2),
+                    shifted(flat, at3),
+                )
+                active = (some | a1 | b1 | c1 | d1) & ~(every & a1 & b1 & c1 & d1) & cells[w]
                 if active == _NONE:
                     continue
                 case_numbers_64(a, a1, b, b1, c, c1, d, d1, cases)

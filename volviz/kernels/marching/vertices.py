@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.kernels.compiled import compiled
-from volviz.kernels.marching.bits import bit_count, lowest_bit
+from volviz.kernels.marching.bits import bit_count, lowest_bit, subtract
 from volviz.kernels.marching.rows import crossings
 
 Array = npt.NDArray[Any]
@@ -62,6 +62,7 @@ def place_vertices(
     slab: Array,
     slab_first: int,
     bits: Array,
+    cells: Array,
     isovalue: float,
     steps: Array,
     vertex_starts: Array,
@@ -82,6 +83,8 @@ def place_vertices(
         Plane of the volume that is the first of `slab`.
     bits : ndarray of shape (Z, Y, words), uint64
         See `volviz.kernels.marching.rows`.
+    cells : ndarray of shape (words - 1,), uint64
+        See `volviz.kernels.marching.rows.cell_words`.
     isovalue : float
         In data units.
     steps : ndarray of shape (K,), int64
@@ -98,8 +101,10 @@ def place_vertices(
         Range of planes.
     """
     depth, height, words = bits.shape
-    width = slab.shape[2]
+    flat_bits = bits.reshape(bits.size)
+    borders = _border_words(slab.shape[2], words - 1)
     xs, ys, zs = geometry.coordinates
+    to_world = geometry.to_world
     places = np.empty(CAPACITY, np.int64)
     for z in range(first, stop):
         for k in range(steps.size):
@@ -108,29 +113,19 @@ def place_vertices(
                 continue
             number = vertex_starts[z, k, 0]
             n = np.uintp(0)
+            inside = True
+            plane_inside = z > 0 and z + dz < depth - 2
             for y in range(height - dy):
+                row_inside = plane_inside and y > 0 and y + dy < height - 2
+                near, far = (z * height + y) * words, ((z + dz) * height + y + dy) * words
                 for w in range(words - 1):
-                    word = crossings(bits, z, y, z + dz, y + dy, w, dx, width)
-                    left = (np.int64(y) << 32) + w * 64
-                    # Writing four places always, and counting the true ones, spares a branch nobody can
-                    # predict.
-                    rest = word
-                    for i in range(np.uintp(4)):
-                        places[n + i] = left + np.int64(lowest_bit(rest))
-                        rest &= rest - _ONE
-                    end = n + np.uintp(bit_count(word))
-                    n += np.uintp(4)
-                    while rest != _NONE:
-                        places[n] = left + np.int64(lowest_bit(rest))
-                        rest &= rest - _ONE
-                        n += np.uintp(1)
-                    n = end
+                    word = crossings(flat_bits, near + w, far + w, dx, cells[w])
+                    n = _list_places(word, (y << 32) + w * 64, places, n)
+                    inside = inside and row_inside and word & borders[w] == _NONE
                     if n >= BATCH or (y == height - dy - 1 and w == words - 2):
                         plane, length_z = z - slab_first, dz * (zs[z + dz] - zs[z])
                         _gather(slab, plane, dx, dy, dz, places, n, xs, ys, columns)
-                        _interpolate(
-                            columns, n, isovalue, zs[z], length_z, geometry.to_world, vertices, number
-                        )
+                        _interpolate(columns, n, isovalue, zs[z], length_z, to_world, vertices, number)
                         if normals.size > 0:
                             _gather_gradients(
                                 slab, plane, dx, dy, dz, places, n, geometry.neighbours, columns
@@ -138,6 +133,25 @@ def place_vertices(
                             _interpolate_normals(columns, n, isovalue, geometry, k, normals, number)
                         number += np.int64(n)
                         n = np.uintp(0)
+                        inside = True
+
+
+@compiled
+def _list_places(word: Any, left: Any, places: Array, n: Any) -> Any:
+    """Append ``left + i`` for every set bit i of a word to the first `n` places; how many there are then.
+
+    Two places are always written and only true ones counted, which spares branches nobody can predict.
+    """
+    end = n + np.uintp(bit_count(word))
+    for i in range(np.uintp(2)):
+        places[n + i] = left + np.int64(lowest_bit(word))
+        word &= word - _ONE
+    n += np.uintp(2)
+    while word != _NONE:
+        places[n] = left + np.int64(lowest_bit(word))
+        word &= word - _ONE
+        n += np.uintp(1)
+    return end
 
 
 @compiled
@@ -199,10 +213,47 @@ def _gather_gradients(
 
 
 @compiled
+def _border_words(width: int, words: int) -> Array:
+    """Bits of the voxels of a row that have, or whose right neighbour has, not the usual neighbours in x."""
+    borders = np.zeros(words, np.uint64)
+    for x in range(width):
+        if x == 0 or x >= width - 3:
+            borders[x // 64] |= _ONE << np.uint64(x % 64)
+    return borders
+
+
+@compiled
+def _gather_gradients_inside(
+    slab: Array,
+    z: int,
+    dx: int,
+    dy: int,
+    dz: int,
+    places: Array,
+    n: Any,
+    neighbours: Any,
+    columns: Array,
+) -> None:
+    """The same as `_gather_gradients` for crossings that are nowhere near the border of the lattice."""
+    flat = slab.reshape(slab.size)
+    row = slab.shape[2]
+    plane = slab.shape[1] * row
+    # Any sample but the first and the last two has the same distances and weights as the second one.
+    weight_x, weight_y, weight_z = neighbours[0][2][1], neighbours[1][2][1], neighbours[2][2][1]
+    for end in range(2):
+        corner = z * plane + end * (dx + dy * row + dz * plane)
+        first = START_X if end == 0 else END_X
+        for i in range(np.uintp(n)):
+            a = corner + (places[i] >> 32) * row + (places[i] & _LOW)
+            columns[i + first] = difference(flat, a - 1, a + 1, weight_x)
+            columns[i + first + CAPACITY] = difference(flat, a - row, a + row, weight_y)
+            columns[i + first + np.uintp(2) * CAPACITY] = difference(flat, a - plane, a + plane, weight_z)
+
+
+@compiled
 def difference(flat: Array, low: int, high: int, weight: Any) -> Any:
     """Weighted difference of two samples, computed in the type of the weight."""
-    real = type(weight)
-    return (real(flat[np.uintp(high)]) - real(flat[np.uintp(low)])) * weight
+    return subtract(flat[np.uintp(high)], flat[np.uintp(low)], weight) * weight
 
 
 @compiled

@@ -1,0 +1,1 @@
+"""Comparison with VTK: matching of settings, metrics of pictures and meshes, timing, reports."""
