@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_cdt, map_coordinates
 
+from tests.unit.kernels.timing import processor_seconds
 from volviz.errors import InputError
 from volviz.kernels.brick_gradients import brick_gradient_bounds
 from volviz.kernels.bricks import (
@@ -210,22 +209,13 @@ def test_bad_arguments_are_refused_in_words():
         visible_prefix([])
 
 
-def best_of(repeats, call):
-    def once():
-        start = time.perf_counter()
-        call()
-        return time.perf_counter() - start
-
-    return min(once() for _ in range(repeats))
-
-
 def test_bricks_are_fast_enough_to_be_made_while_a_volume_opens():
     array = np.random.default_rng(0).integers(0, 256, (256, 256, 256), dtype=np.uint8)
     brick_min_max(array[:8])
-    assert best_of(5, lambda: brick_min_max(array)) < 0.040
+    assert processor_seconds(lambda: brick_min_max(array)) < 0.040
 
 
 def test_distances_are_fast_enough_for_a_slider():
     occupied = np.random.default_rng(0).random((32, 32, 32)) < 0.01
     chessboard_distance(occupied)
-    assert best_of(5, lambda: chessboard_distance(occupied)) < 0.010
+    assert processor_seconds(lambda: chessboard_distance(occupied)) < 0.010
