@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import hypothesis
 import pytest
 
 from tests.leaks import Watch
@@ -26,6 +27,12 @@ if sys.platform.startswith("linux"):
     # Pictures are drawn as on a machine without a display, though the tests of the window have one.
     os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
 prepare()
+
+# The same examples each time, so that a change that breaks nothing never fails; no deadline, since machines
+# differ. `--hypothesis-profile=search` looks for new ones.
+hypothesis.settings.register_profile("volviz", derandomize=True, deadline=None, database=None)
+hypothesis.settings.register_profile("search", deadline=None, max_examples=1000)
+hypothesis.settings.load_profile("volviz")
 
 
 def layer_of(path: Path) -> str | None:
