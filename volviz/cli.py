@@ -1,0 +1,94 @@
+"""The command ``volviz``: ``volviz [FILE]`` opens the window, ``volviz COMMAND ...`` works without one."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from volviz import __version__
+from volviz.errors import VolvizError
+
+#: Exit status for everything the user can mend.
+USER_ERROR = 2
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments after the program's name; the default is ``sys.argv[1:]``.
+
+    Returns
+    -------
+    int
+        Exit status: 0, 1 for a check that does not hold, 2 for bad input or arguments.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    parser = make_parser()
+    try:
+        if not arguments or (arguments[0] not in _COMMANDS and not arguments[0].startswith("-")):
+            return _open_window(arguments)
+        options = parser.parse_args(arguments)
+        return int(options.run(options))
+    except VolvizError as error:
+        _say(str(error))
+        return USER_ERROR
+    except KeyboardInterrupt:
+        _say("stopped.")
+        return 130
+    except BrokenPipeError:
+        # the reader of our output has gone, as with `volviz samples | head`
+        sys.stderr.close()
+        return 0
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The parser of all commands."""
+    from volviz.commands import inspect, meshes, pictures
+
+    parser = argparse.ArgumentParser(
+        prog="volviz",
+        description="Look into volumes. Without a command the window opens, with FILE or a bundled sample.",
+        epilog="volviz COMMAND --help tells more of a command.",
+    )
+    parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for module in (pictures, meshes, inspect):
+        module.add_commands(commands)
+    return parser
+
+
+_COMMANDS = (
+    "render", "isosurface", "crosscheck", "info", "samples", "techniques", "presets", "doctor",
+)  # fmt: skip
+
+
+def _open_window(arguments: Sequence[str]) -> int:
+    from volviz.environment import display_answers
+
+    if len(arguments) > 1:
+        raise VolvizError(
+            f"one file at a time, got {len(arguments)} arguments beginning with {arguments[0]!r}; "
+            "volviz --help lists the commands."
+        )
+    if arguments and not arguments[0].startswith("sample:"):
+        from pathlib import Path
+
+        if not Path(arguments[0]).expanduser().exists():
+            raise VolvizError(f"{arguments[0]}: there is no such file, folder or command; volviz --help lists commands.")
+    if not display_answers():
+        raise VolvizError(
+            "there is no display to open a window on; set DISPLAY, or draw pictures without one by "
+            "volviz render FILE -o picture.png."
+        )
+    # the one place where the library imports the desktop program
+    from volviz_ui.app import main as start
+
+    return int(start(list(arguments)))
+
+
+def _say(sentence: str) -> None:
+    print(f"volviz: {sentence}", file=sys.stderr)  # noqa: T201

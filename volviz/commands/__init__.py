@@ -1,0 +1,1 @@
+"""The commands of ``volviz``, one file for each kind."""

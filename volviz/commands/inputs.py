@@ -1,0 +1,66 @@
+"""Arguments that several commands share: which volume, and how to read it."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from volviz.errors import InputError
+
+if TYPE_CHECKING:
+    from volviz.model.volume import Volume
+
+
+def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
+    """FILE and the hints for reading it."""
+    parser.add_argument(
+        "file", metavar="FILE", nargs="?" if optional else None,
+        help="a volume file, a folder of DICOM slices, or sample:NAME",
+    )  # fmt: skip
+    hints = parser.add_argument_group("reading raw files and choosing from larger ones")
+    hints.add_argument("--dims", metavar="X,Y,Z", help="voxels along each axis of a raw file")
+    hints.add_argument("--dtype", help="type of raw values, for example uint16")
+    hints.add_argument("--endian", choices=("little", "big"), help="byte order of raw values")
+    hints.add_argument("--header", type=int, help="bytes before the first raw value")
+    hints.add_argument("--spacing", metavar="X,Y,Z", help="distance of voxels, instead of the file's")
+    hints.add_argument("--time", type=int, help="time point, from 0")
+    hints.add_argument("--channel", type=int, help="channel, from 0")
+    hints.add_argument("--series", help="series of a DICOM folder or TIFF file")
+
+
+def hints_of(options: argparse.Namespace) -> dict[str, Any]:
+    """The hints that were given, as keywords of `volviz.load`."""
+    hints: dict[str, Any] = {}
+    for name, kind in (("dims", int), ("spacing", float)):
+        text = getattr(options, name)
+        if text is not None:
+            hints[name] = numbers(text, name, kind)
+    for name in ("dtype", "endian", "header", "time", "channel", "series"):
+        value = getattr(options, name)
+        if value is not None:
+            hints[name] = value
+    return hints
+
+
+def numbers(text: str, name: str, kind: type[int] | type[float]) -> tuple[Any, ...]:
+    """Numbers separated by commas or x."""
+    try:
+        return tuple(kind(part) for part in text.lower().replace("x", ",").split(","))
+    except ValueError:
+        raise InputError(f"--{name} takes three numbers such as 256,256,128, got {text!r}.") from None
+
+
+def load_input(options: argparse.Namespace) -> Volume:
+    """The volume that FILE names, the default sample when there is none."""
+    from volviz.io import load
+
+    return load(source_of(options), **hints_of(options))
+
+
+def source_of(options: argparse.Namespace) -> str:
+    """FILE, or the default sample."""
+    if options.file is not None:
+        return str(options.file)
+    from volviz.io.samples import default_sample
+
+    return f"sample:{default_sample().id}"
