@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import signal
+import sys
 
-from PySide6.QtCore import QCoreApplication, Qt
+from PySide6.QtCore import QCoreApplication, QMessageLogContext, Qt, QtMsgType, qInstallMessageHandler
 from PySide6.QtGui import QSurfaceFormat
 from PySide6.QtWidgets import QApplication
 
@@ -15,7 +16,7 @@ def prepare_opengl() -> None:
     """Say which OpenGL all windows use; before the application object exists.
 
     Contexts share, or a floating dock would lose its picture. The format is the one that pyvistaqt sets later by
-    itself: set now, the shared context has it too, and Qt does not warn of a difference.
+    itself: set now, the shared context has it too.
     """
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     wanted = QSurfaceFormat()
@@ -31,9 +32,16 @@ def prepare_opengl() -> None:
     QSurfaceFormat.setDefaultFormat(wanted)
 
 
+def show_message(_kind: QtMsgType, _context: QMessageLogContext, text: str) -> None:
+    """Pass Qt's messages on to stderr, but for one that pyvistaqt causes with every viewport and that means nothing."""
+    if not text.startswith("Setting a new default format"):
+        print(text, file=sys.stderr)  # noqa: T201
+
+
 def make_application() -> QApplication:
     """The application object, with name and icon."""
     prepare_opengl()
+    qInstallMessageHandler(show_message)
     application = QApplication(["volviz"])
     application.setApplicationName("VolViz")
     application.setOrganizationName("VolViz")

@@ -23,6 +23,7 @@ from volviz_ui.display import AddVolume, Display
 from volviz_ui.dock import Dock
 from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
 from volviz_ui.file_commands import FileCommands
+from volviz_ui.light_mark import LightMark
 from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
@@ -83,6 +84,7 @@ class MainWindow(QMainWindow):
         self.viewport = Viewport(self)
         self.setCentralWidget(self.viewport)
         self.scenery = Scenery(self.viewport)
+        self.light_mark = LightMark(self.viewport)
         self.display = Display(self.store, self.documents, self.viewport, add_volume, self)
         self.banner = Banner(self.viewport)
         self.status_line = StatusLine(self)
@@ -138,6 +140,7 @@ class MainWindow(QMainWindow):
         self.viewport.pointer_left.connect(self._on_pointer_left)
         self.store.history_changed.connect(self._show_history)
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
+        show_value(self.store, lambda scene: (scene.light, scene.view.technique), self._show_light)
         show_value(self.store, lambda scene: scene.background, self._show_background)
         show_value(self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function)
         show_value(
@@ -169,7 +172,7 @@ class MainWindow(QMainWindow):
             dock.setFloating(False)
             self.addDockWidget(area, dock)
             dock.show()
-        self.resizeDocks(self.docks[:2], [272, 328], Qt.Orientation.Horizontal)
+        self.resizeDocks(self.docks[:2], [264, 340], Qt.Orientation.Horizontal)
         self.resizeDocks(self.docks[2:], [236], Qt.Orientation.Vertical)
 
     # ------------------------------------------------------------------ opening
@@ -199,6 +202,7 @@ class MainWindow(QMainWindow):
         self.technique_panel.set_volume(volume)
         self.transfer_editor.set_volume(volume)
         self.status_line.show_volume(volume)
+        self._show_light(None)
 
     # ------------------------------------------------------------------ showing
 
@@ -206,6 +210,11 @@ class MainWindow(QMainWindow):
         self.status_line.show_technique(current_technique(self.store.scene).label)
         for action in self.actions_.techniques:
             action.setChecked(action.data() == technique)
+
+    def _show_light(self, _light: Any) -> None:
+        scene = self.store.scene
+        movable = "light" in current_technique(scene).handles
+        self.light_mark.show(scene.light, self.documents.volume, movable=movable)
 
     def _show_background(self, color: Any) -> None:
         self.scenery.set_background(color)

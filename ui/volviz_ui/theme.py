@@ -52,9 +52,9 @@ LIGHT = Colors(
 DARK = Colors(
     window="#1c2025",
     panel="#23282e",
-    base="#171a1e",
-    button="#2e343b",
-    border="#3a4149",
+    base="#2b3138",
+    button="#343b43",
+    border="#3f4750",
     text="#dfe3e7",
     quiet="#8d98a3",
     disabled="#5c656e",
@@ -122,7 +122,9 @@ def style_sheet(colors: Colors) -> str:
     QToolBar QToolButton:hover {{ background: {c.button}; border-color: {c.border}; }}
     QToolBar QToolButton:pressed, QToolBar QToolButton:checked {{ background: {c.border}; }}
     QToolBar QToolButton:focus {{ border-color: {c.accent}; }}
-    QToolBar QToolButton[popupMode="2"] {{ padding-right: 14px; }}
+    QToolBar QToolButton[popupMode="2"] {{ padding-right: 16px; }}
+    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: center right; right: 3px; }}
+    QRangeSlider {{ qproperty-barColor: {c.accent}; }}
     QStatusBar {{ background: {c.window}; color: {c.quiet}; }}
     QStatusBar::item {{ border: none; }}
     QStatusBar QLabel {{ color: {c.quiet}; }}
@@ -131,6 +133,14 @@ def style_sheet(colors: Colors) -> str:
     QLabel#dock_caption {{ color: {c.quiet}; font-weight: 600; }}
     QToolButton#dock_button {{ border: none; border-radius: 4px; padding: 2px; }}
     QToolButton#dock_button:hover {{ background: {c.border}; }}
+    QScrollBar:vertical {{ background: transparent; width: 10px; margin: 0; }}
+    QScrollBar:horizontal {{ background: transparent; height: 10px; margin: 0; }}
+    QScrollBar::handle {{ background: {c.border}; border-radius: 3px; margin: 2px; }}
+    QScrollBar::handle:vertical {{ min-height: 28px; }}
+    QScrollBar::handle:horizontal {{ min-width: 28px; }}
+    QScrollBar::handle:hover {{ background: {c.disabled}; }}
+    QScrollBar::add-line, QScrollBar::sub-line {{ width: 0; height: 0; }}
+    QScrollBar::add-page, QScrollBar::sub-page {{ background: transparent; }}
     QScrollArea#panel_scroll, QWidget#panel_body {{ background: {c.panel}; border: none; }}
     QToolButton#section_header {{ border: none; text-align: left; font-weight: 600; padding: 4px 2px; }}
     QToolButton#section_header:hover {{ color: {c.accent}; }}

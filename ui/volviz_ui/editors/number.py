@@ -13,7 +13,7 @@ from volviz.model.parameters import Parameter
 from volviz_ui.editors.base import Editor, tooltip_of
 
 STEPS = 1000
-FIELD_WIDTH = 92
+FIELD_WIDTH = 84
 
 
 class CalmSlider(QSlider):

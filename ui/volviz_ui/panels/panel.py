@@ -37,6 +37,8 @@ class Panel(QScrollArea):
 
     def add(self, widget: QWidget) -> None:
         """Append a widget above the stretch at the end."""
+        if self.column.count() == 1 and isinstance(widget, Section):
+            widget.line.hide()  # the title of the dock is line enough
         self.column.insertWidget(self.column.count() - 1, widget)
 
     def sizeHint(self) -> QSize:
@@ -67,7 +69,7 @@ class Section(QWidget):
         self.header.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.header.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.header.setToolTip(self.tr("Fold or unfold this group"))
-        line = QFrame(self)
+        self.line = line = QFrame(self)
         line.setObjectName("section_line")
         line.setFixedHeight(1)
         self.content = QWidget(self)

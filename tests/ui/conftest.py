@@ -1,0 +1,163 @@
+"""The window for tests: its own settings, a small volume, real events."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QPoint, QPointF, QSettings, Qt
+from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
+
+from volviz_ui.main_window import MainWindow
+from volviz_ui.preferences import Preferences
+from volviz_ui.theme import Theme
+
+
+@pytest.fixture(scope="session")
+def theme(qapp: QApplication) -> Theme:
+    """One theme for all windows, as in the program."""
+    return Theme(qapp, "dark")
+
+
+@pytest.fixture
+def preferences(tmp_path: Path) -> Preferences:
+    """Settings in a file of the test's own."""
+    return Preferences(QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat))
+
+
+@pytest.fixture
+def ball_file(tmp_path: Path) -> str:
+    """A NumPy file of a ball of radius 12 in 32^3 voxels, 200 inside and 0 outside, brighter to the right."""
+    return str(save_ball(tmp_path / "ball.npy", 200))
+
+
+@pytest.fixture
+def other_file(tmp_path: Path) -> str:
+    """A second, smaller volume."""
+    return str(save_ball(tmp_path / "other.npy", 120, size=24))
+
+
+def save_ball(path: Path, value: int, *, size: int = 32) -> Path:
+    """Write a ball as uint8 array (Z, Y, X); outside it there is a faint ramp along x."""
+    z, y, x = np.indices((size, size, size)) - (size - 1) / 2
+    ball = np.where(x**2 + y**2 + z**2 < (0.375 * size) ** 2, value, 0).astype(np.uint8)
+    np.save(path, ball)
+    return path
+
+
+@pytest.fixture
+def bare_window(qapp: QApplication, theme: Theme, preferences: Preferences) -> Iterator[MainWindow]:
+    """The window, shown, without a volume."""
+    window = MainWindow(theme, preferences)
+    window.resize(1100, 760)
+    window.show()
+    assert QTest.qWaitForWindowExposed(window)
+    yield window
+    for box in window.findChildren(QMessageBox):
+        box.close()
+    window.close()
+    window.deleteLater()
+    settle(qapp)
+    # pytest holds the fixture's value until after the search for leaks; what hangs on it must not look leaked
+    vars(window).clear()
+
+
+@pytest.fixture
+def window(bare_window: MainWindow, ball_file: str, wait_for: Callable[..., None]) -> MainWindow:
+    """The window with the ball, fully drawn."""
+    bare_window.open(ball_file)
+    wait_for(lambda: bare_window.documents.volume is not None)
+    wait_for(lambda: is_complete(bare_window))
+    return bare_window
+
+
+@pytest.fixture
+def wait_for(qapp: QApplication) -> Callable[..., None]:
+    """Run the event loop until something holds; fails after half a minute."""
+
+    def wait(condition: Callable[[], object], seconds: float = 30.0) -> None:
+        end = time.monotonic() + seconds
+        while not condition():
+            assert time.monotonic() < end, "it did not happen in time"
+            QTest.qWait(5)
+
+    return wait
+
+
+def settle(app: QApplication) -> None:
+    """Deliver what is pending, deletions included."""
+    for _ in range(3):
+        app.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        app.processEvents()
+
+
+def is_complete(window: MainWindow) -> bool:
+    """Whether the picture of the present state is there."""
+    status = window.display.status
+    return status is not None and status.complete and not window.display.pacer.is_busy
+
+
+def picture(window: MainWindow) -> np.ndarray:
+    """The viewport as shown, shape (H, W, 3), float 0..255."""
+    image = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+    rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())
+    return rows[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).astype(float)
+
+
+def foreground(window: MainWindow) -> np.ndarray:
+    """Pixels in which the volume stands out from the background, without the orientation marker's corner."""
+    image = picture(window)
+    seen = np.abs(image - np.median(image, axis=1, keepdims=True)).max(axis=2) > 12
+    seen[int(0.75 * len(seen)) :, : int(0.2 * seen.shape[1])] = False
+    return seen
+
+
+def drag(
+    widget: QWidget,
+    start: QPoint,
+    end: QPoint,
+    *,
+    button: Qt.MouseButton = Qt.MouseButton.LeftButton,
+    modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier,
+    steps: int = 6,
+) -> None:
+    """Press, move in steps, release."""
+    QTest.mousePress(widget, button, modifiers, start)
+    for step in range(1, steps + 1):
+        position = start + (end - start) * step / steps
+        event = QMouseEvent(
+            QEvent.Type.MouseMove,
+            QPointF(position),
+            QPointF(widget.mapToGlobal(position)),
+            Qt.MouseButton.NoButton,
+            button,
+            modifiers,
+        )
+        QApplication.sendEvent(widget, event)
+        QTest.qWait(5)
+    QTest.mouseRelease(widget, button, modifiers, end)
+
+
+def turn_wheel(
+    widget: QWidget,
+    notches: int,
+    modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier,
+) -> None:
+    """Turn the wheel over the middle of a widget."""
+    middle = widget.rect().center()
+    event = QWheelEvent(
+        QPointF(middle),
+        QPointF(widget.mapToGlobal(middle)),
+        QPoint(0, 0),
+        QPoint(0, 120 * notches),
+        Qt.MouseButton.NoButton,
+        modifiers,
+        Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )
+    QApplication.sendEvent(widget, event)
