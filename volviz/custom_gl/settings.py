@@ -182,3 +182,18 @@ class SamplingSettings:
         minimum=0.5,
         maximum=1.0,
     )
+
+
+@dataclass(frozen=True)
+class PreintegrationSettings:
+    """Classification of pieces of ray instead of samples, for ray casters."""
+
+    preintegrated: bool = parameter(
+        False,
+        "Pre-integrated",
+        "Colour and opacity of a piece of ray come from a table over the scalars at both its ends, so that thin "
+        "features of the transfer function are not missed between samples.",
+        group="Classification",
+        cost=Cost.PROGRAM,
+        enabled_by=("mode", ("composite",)),
+    )

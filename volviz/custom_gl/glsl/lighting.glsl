@@ -4,12 +4,13 @@ uniform mat4 u_texture_to_world;
 uniform vec3 u_eye;               // world; for parallel projection a point far behind the view
 uniform vec3 u_light_position;    // world
 uniform vec3 u_light_color;
+uniform float u_flat_gradient;    // gradients up to this are rounding, not surfaces
 uniform vec4 u_material;          // ambient, diffuse, specular, shininess
 
 // Colour of a surface with that world normal (any length; zero = unlit) at a point in world space.
 vec3 lit_color(vec3 color, vec3 normal, vec3 world) {
     float size = length(normal);
-    if (!(size > 1e-12)) return color;
+    if (!(size > u_flat_gradient)) return color;
     vec3 n = normal / size;
     vec3 v = normalize(u_eye - world);
     vec3 l = normalize(u_light_position - world);

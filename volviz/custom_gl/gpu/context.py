@@ -64,7 +64,7 @@ class Gpu:
             )
         self.programs = ProgramCache(self.gl)
         self.targets = TargetPool(self.gl)
-        self._fullscreen: dict[int, Any] = {}
+        self._bufferless: dict[int, Any] = {}
         self._blank: Any = None
         #: Number of uploads to textures and tables since the start; tests read it.
         self.uploads = 0
@@ -101,11 +101,15 @@ class Gpu:
 
     def draw_fullscreen(self, program: Program) -> None:
         """Draw one triangle over the whole viewport; the vertex shader is ``glsl/fullscreen.vert``."""
+        self.draw_triangles(program, 3)
+
+    def draw_triangles(self, program: Program, vertices: int) -> None:
+        """Draw triangles whose vertex shader makes the positions from ``gl_VertexID`` alone."""
         key = program.gl.glo
-        array = self._fullscreen.get(key)
+        array = self._bufferless.get(key)
         if array is None:
-            array = self._fullscreen[key] = self.gl.vertex_array(program.gl, [])
-        array.render(moderngl.TRIANGLES, vertices=3)
+            array = self._bufferless[key] = self.gl.vertex_array(program.gl, [])
+        array.render(moderngl.TRIANGLES, vertices=vertices)
 
     def blank_texture(self) -> Any:
         """A 1 x 1 texture for samplers that have nothing to read."""
@@ -115,9 +119,9 @@ class Gpu:
 
     def forget_programs(self) -> None:
         """Release all programs and what hangs on them, after shader text has changed."""
-        for array in self._fullscreen.values():
+        for array in self._bufferless.values():
             array.release()
-        self._fullscreen.clear()
+        self._bufferless.clear()
         self.programs.forget()
 
     def table_texture(self, table: npt.NDArray[np.float32]) -> Any:

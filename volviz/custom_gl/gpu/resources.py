@@ -100,18 +100,21 @@ class VolumeResources:
 
         return self._cached(self._tables, "table per length", (transfer_function, length), make)
 
-    def preintegrated(self, transfer_function: TransferFunction, size: int) -> Any:
-        """Straight mean colour and opacity per unit distance over (front, back), `size` entries each way."""
+    def preintegrated(self, transfer_function: TransferFunction, size: int, threshold: float) -> Any:
+        """Premultiplied colour and opacity of segments one unit distance long, by their ends' scalars, size x size."""
         from volviz.kernels.preintegration import preintegration_table
 
         def make() -> Any:
-            table = preintegration_table(self._baked(transfer_function), 1.0, size)
-            alpha = table[..., 3:]
-            # straight colour interpolates well and lets the shader correct opacity for any segment length
-            straight = np.where(alpha > 0, table[..., :3] / np.maximum(alpha, 1e-20), 0.0)
-            return self.gpu.table_texture(np.concatenate([straight, alpha], axis=-1).astype(np.float32))
+            table = self._baked(transfer_function).copy()
+            table[: self._below(threshold, len(table)), 3] = 0.0
+            return self.gpu.table_texture(preintegration_table(table, 1.0, size))
 
-        return self._cached(self._tables, "preintegrated", (transfer_function, size), make)
+        return self._cached(self._tables, "preintegrated", (transfer_function, size, threshold), make)
+
+    @staticmethod
+    def _below(threshold: float, entries: int) -> int:
+        """Number of table entries that lie below a density threshold."""
+        return int(np.ceil(threshold * (entries - 1)))
 
     def _baked(self, transfer_function: TransferFunction) -> Any:
         return transfer_function.bake(self.volume.range, self.table_entries)
@@ -175,11 +178,10 @@ class VolumeResources:
             frame.scene_depth.use(units["t_scene_depth"])
         if "t_preintegrated" in units:
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
-            program.use_texture("t_preintegrated", self.preintegrated(frame.transfer_function, size))
+            program.use_texture("t_preintegrated", self.preintegrated(frame.transfer_function, size, _threshold(frame)))
             program.set({"u_preintegrated_map": ((size - 1) / size, 0.5 / size)})
         if "t_distance" in units:
-            threshold = float(getattr(frame.settings, "density_threshold", 0.0))
-            program.use_texture("t_distance", self.visible_distance(frame.transfer_function, threshold))
+            program.use_texture("t_distance", self.visible_distance(frame.transfer_function, _threshold(frame)))
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
@@ -209,6 +211,10 @@ class VolumeResources:
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def _threshold(frame: Frame) -> float:
+    return float(getattr(frame.settings, "density_threshold", 0.0))
 
 
 def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:

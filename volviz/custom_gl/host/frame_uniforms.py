@@ -64,6 +64,7 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_view_direction": tuple(frame.camera.direction),
         "u_light_position": tuple(_light(frame, extent)),
         "u_light_color": frame.light_color,
+        "u_flat_gradient": 1e-5 / volume.mean_spacing,
         "u_material": (
             value("ambient", 0.25), value("diffuse", 0.75), value("specular", 0.25), value("shininess", 30.0),
         ),

@@ -3,7 +3,7 @@
 #define MODE_SKIPS 1
 #define MODE_SEGMENTS 1
 
-uniform sampler2D t_preintegrated;   // straight mean colour, opacity per unit distance; x = front, y = back
+uniform sampler2D t_preintegrated;   // colour times opacity, opacity per unit distance; x = back, y = front
 uniform vec2 u_preintegrated_map;
 
 vec4 g_sum;
@@ -11,7 +11,8 @@ vec4 g_sum;
 void mode_begin(float total) { g_sum = vec4(0.0); }
 
 bool mode_add(float front, float back, vec3 p, float length_of_segment, bool whole) {
-    vec4 c = textureLod(t_preintegrated, vec2(front, back) * u_preintegrated_map.x + u_preintegrated_map.y, 0.0);
+    vec4 c = textureLod(t_preintegrated, vec2(back, front) * u_preintegrated_map.x + u_preintegrated_map.y, 0.0);
+    c.rgb /= max(c.a, 1e-20);
 #if SHADING || GRADIENT_OPACITY
     if (c.a > 0.0) {
         vec3 gradient = world_gradient(p);

@@ -4,20 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from volviz.custom_gl.settings import SamplingSettings, ShadingSettings
-from volviz.model.parameters import Cost, parameter
+from volviz.custom_gl.settings import PreintegrationSettings, SamplingSettings, ShadingSettings
 
 
 @dataclass(frozen=True)
-class RaycastSettings(ShadingSettings, SamplingSettings):
+class RaycastSettings(PreintegrationSettings, ShadingSettings, SamplingSettings):
     """How rays are cast."""
-
-    preintegrated: bool = parameter(
-        False,
-        "Pre-integrated",
-        "Colour and opacity of a piece of ray come from a table over the scalars at both its ends, so that thin "
-        "features of the transfer function are not missed between samples.",
-        group="Classification",
-        cost=Cost.PROGRAM,
-        enabled_by=("mode", ("composite",)),
-    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from volviz.custom_gl.gpu.programs import Program
+from volviz.custom_gl.ray_march import march_program
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.tiled import draw_tile
@@ -22,27 +22,7 @@ class Raycast:
     def draw(self, frame: Frame, chunk: int) -> None:
         """March the rays of one tile."""
         if frame.tiles:
-            draw_tile(frame, self._program(frame), chunk)
-
-    def _program(self, frame: Frame) -> Program:
-        settings = frame.settings
-        mode = settings.mode
-        if mode == "composite" and settings.preintegrated:
-            mode = "preintegrated"
-        # opacities per step in the table save a power per sample; gradient opacity must act before the correction
-        per_step = mode == "composite" and not settings.gradient_opacity
-        program = frame.program(
-            GLSL / "fullscreen.vert",
-            _FRAGMENT,
-            {"TABLE_PER_STEP": per_step},
-            {"mode": f"modes/{mode}.glsl"},
-        )
-        if per_step:
-            length = frame.step_world / frame.unit_distance
-            table = frame.resources.table_per_length(frame.transfer_function, length)
-            program.use_texture("t_table", table)
-            program.set({"u_inverse_unit_distance": 1.0 / frame.step_world})
-        return program
+            draw_tile(frame, march_program(frame, GLSL / "fullscreen.vert", _FRAGMENT), chunk)
 
     def release(self) -> None:
         """It holds nothing of its own."""

@@ -1,0 +1,41 @@
+"""The ray caster's program, for every technique that marches rays with ``glsl/march.glsl``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from volviz.custom_gl.gpu.programs import Program
+from volviz.custom_gl.technique import Frame
+
+
+def march_program(
+    frame: Frame, vertex: Path, fragment: Path, defines: Mapping[str, object] | None = None
+) -> Program:
+    """A program whose fragment shader includes ``march.glsl``, with its mode, tables and uniforms set.
+
+    Parameters
+    ----------
+    frame : Frame
+        Its settings have the fields of `volviz.custom_gl.settings.SamplingSettings`, `ShadingSettings` and
+        `PreintegrationSettings`.
+    vertex, fragment : Path
+        The technique's shaders.
+    defines : mapping, optional
+        Further defines of the technique's own.
+    """
+    settings = frame.settings
+    mode = settings.mode
+    if mode == "composite" and settings.preintegrated:
+        mode = "preintegrated"
+    # opacities per step in the table save a power per sample; gradient opacity must act before the correction
+    per_step = mode == "composite" and not settings.gradient_opacity
+    program = frame.program(
+        vertex, fragment, {"TABLE_PER_STEP": per_step} | dict(defines or {}), {"mode": f"modes/{mode}.glsl"}
+    )
+    if per_step:
+        length = frame.step_world / frame.unit_distance
+        table = frame.resources.table_per_length(frame.transfer_function, length)
+        program.use_texture("t_table", table)
+        program.set({"u_inverse_unit_distance": 1.0 / frame.step_world})
+    return program
