@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 from volviz.model.parameters import Cost, parameter
 
@@ -197,3 +199,20 @@ class PreintegrationSettings:
         cost=Cost.PROGRAM,
         enabled_by=("mode", ("composite",)),
     )
+
+
+def taken_from(settings: type[Any], name: str, **changes: Any) -> Any:
+    """The field of another settings class once more, for techniques that share some settings but not all.
+
+    Parameters
+    ----------
+    settings : type
+        `SamplingSettings`, `ShadingSettings` or another dataclass of `parameter` fields.
+    name : str
+        Field in it.
+    **changes
+        Parts of the description that differ here, such as ``default`` or ``enabled_by``.
+    """
+    field = next(field for field in dataclasses.fields(settings) if field.name == name)
+    description = field.metadata["parameter"] | changes
+    return dataclasses.field(default=description["default"], metadata={"parameter": description})
