@@ -33,14 +33,20 @@ def techniques() -> dict[str, TechniqueInfo]:
     return {info.id: info for info in sorted(found, key=lambda info: (info.order, info.id))}
 
 
+@lru_cache(maxsize=None)
 def technique(technique_id: str) -> TechniqueInfo:
-    """The technique of that id.
+    """The technique of that id; of our own ones only its folder is imported.
 
     Raises
     ------
     InputError
         There is none; the sentence lists the ids.
     """
+    from volviz.custom_gl import techniques as package
+
+    if technique_id in {module.name for module in pkgutil.iter_modules(package.__path__)}:
+        info: TechniqueInfo = importlib.import_module(f"{package.__name__}.{technique_id}").TECHNIQUE
+        return info
     known = techniques()
     if technique_id not in known:
         raise InputError(f"there is no technique called {technique_id!r}; there are {', '.join(known)}.")
