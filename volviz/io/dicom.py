@@ -112,9 +112,7 @@ def _series(job: Job, slices: list[Slice]) -> list[Slice]:
     if wanted is None:
         if len(ordered) > 1:
             sizes = ", ".join(f"{n}: {_words(group)}" for n, group in enumerate(ordered[:8]))
-            job.note(
-                f"The folder holds {len(ordered)} series, the largest is shown, choose with series= ({sizes})."
-            )
+            job.note(f"The largest of {len(ordered)} series is shown; choose with series= ({sizes}).")
         return ordered[0]
     if isinstance(wanted, str) and wanted in groups:
         return groups[wanted]

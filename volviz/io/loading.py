@@ -61,18 +61,22 @@ def load(
 
         return sample(text.removeprefix(SAMPLE_PREFIX), progress=progress, cancel=cancel, **hints)
     job = Job(Path(text).expanduser(), given, progress, cancel)
+    volume = read_file(job)
+    job.report(1.0, "ready")
+    return volume
+
+
+def read_file(job: Job) -> Volume:
+    """Find the reader for a job and let it read; what the system complains about becomes one sentence."""
     try:
-        reader = _reader_for(job)
-        volume = reader.read(job)
+        return _reader_for(job).read(job)
     except PermissionError:
         raise job.error("you may not read it; change its permissions or copy it.") from None
     except MemoryError:
         raise job.error("it does not fit into memory; crop it or save it with fewer voxels.") from None
     except OSError as error:
-        reason = error.strerror or "unknown reason"
-        raise job.error(f"the system cannot read it ({reason.lower()}); check disk and path.") from None
-    job.report(1.0, "ready")
-    return volume
+        reason = (error.strerror or "unknown reason").lower()
+        raise job.error(f"the system cannot read it ({reason}); check disk and path.") from None
 
 
 def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:

@@ -79,9 +79,7 @@ def _series(job: Job, file: tifffile.TiffFile) -> tifffile.TiffPageSeries:
     wanted = job.hints.series
     if wanted is None:
         if len(every) > 1:
-            job.note(
-                f"The file holds {len(every)} images, the largest is shown, choose series=0..{len(every) - 1}."
-            )
+            job.note(f"The largest of {len(every)} images is shown; choose with series=0..{len(every) - 1}.")
         return max(every, key=lambda s: s.size)
     if not isinstance(wanted, int) or not 0 <= wanted < len(every):
         raise InputError(f"{job.path.name}: series must lie in 0..{len(every) - 1}, got {wanted!r}.")
@@ -176,11 +174,11 @@ def _per_pixel(tags: Any, name: str) -> float | None:
 
 def _ome(file: tifffile.TiffFile) -> tuple[Vector, str] | None:
     # expat neither fetches external entities nor expands internal ones without bound
-    from xml.etree import ElementTree
+    import xml.etree.ElementTree as ET
 
     try:
-        root = ElementTree.fromstring(file.ome_metadata or "")  # noqa: S314
-    except ElementTree.ParseError:
+        root = ET.fromstring(file.ome_metadata or "")  # noqa: S314
+    except ET.ParseError:
         return None
     pixels = next((e for e in root.iter() if e.tag.endswith("}Pixels")), None)
     if pixels is None or "PhysicalSizeX" not in pixels.attrib:
