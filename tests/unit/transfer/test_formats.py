@@ -24,9 +24,9 @@ from volviz.model.tf_formats import (
     to_dat,
     write_transfer_function,
 )
+from volviz.model.transfer_lanes import simplified
 
 PROBE = np.linspace(-130, 130, 211) + 0.013
-from volviz.model.transfer_lanes import simplified
 
 # the volume property that Slicer's manual shows
 SLICER = """1

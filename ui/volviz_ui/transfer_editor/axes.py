@@ -1,0 +1,194 @@
+"""The axes of the plot: from values and opacities to fractions of its width and height, and back."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+#: The part of the data range around its origin that a logarithmic axis shows linearly.
+LINEAR_PART = 1e-3
+#: How far beyond the data the view may go, and the smallest part of the data it may show.
+BEYOND, SMALLEST = 1.0, 1e-6
+#: Exponent of the opacity scale that gives small opacities room.
+FINE_EXPONENT = 0.4
+
+
+@dataclass(frozen=True)
+class ValueAxis:
+    """The visible window of values.
+
+    Attributes
+    ----------
+    low, high : float
+        Values at the left and right edge, data units.
+    data_low, data_high : float
+        Range of the data.
+    logarithmic : bool
+        Values are spread by the inverse hyperbolic sine of their distance from an origin: 0 where the data
+        have both signs or start there, else the lowest value. Near the origin that is linear, far from it
+        logarithmic.
+    """
+
+    low: float
+    high: float
+    data_low: float
+    data_high: float
+    logarithmic: bool = False
+
+    @classmethod
+    def of_range(cls, low: float, high: float, *, logarithmic: bool = False) -> ValueAxis:
+        """An axis that shows exactly that range of data."""
+        if not low < high:
+            high = low + max(abs(low) * 1e-6, 1.0)
+        return cls(low, high, low, high, logarithmic)
+
+    @property
+    def origin(self) -> float:
+        """Where a logarithmic axis has its finest resolution."""
+        return 0.0 if self.data_low <= 0.0 <= self.data_high else self.data_low
+
+    def fraction(self, value: float) -> float:
+        """Position of a value: 0 at the left edge, 1 at the right edge, beyond them outside the view."""
+        a, b = self._forward(self.low), self._forward(self.high)
+        return (self._forward(value) - a) / (b - a)
+
+    def value(self, fraction: float) -> float:
+        """Value at a position."""
+        a, b = self._forward(self.low), self._forward(self.high)
+        return self._backward(a + fraction * (b - a))
+
+    def values(self, fractions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Values at many positions."""
+        a, b = self._forward(self.low), self._forward(self.high)
+        places = a + fractions * (b - a)
+        if not self.logarithmic:
+            return places
+        return self.origin + np.sinh(places) * LINEAR_PART * (self.data_high - self.data_low)
+
+    def fractions(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Positions of many values."""
+        a, b = self._forward(self.low), self._forward(self.high)
+        if not self.logarithmic:
+            return (values - a) / (b - a)
+        places = np.arcsinh((values - self.origin) / (LINEAR_PART * (self.data_high - self.data_low)))
+        return np.asarray((places - a) / (b - a))
+
+    def zoomed(self, factor: float, at: float = 0.5) -> ValueAxis:
+        """The window made narrower (factor above 1) about a position that stays where it is."""
+        return self._window(at - at / factor, at + (1.0 - at) / factor)
+
+    def panned(self, fraction: float) -> ValueAxis:
+        """The window moved to the right by a fraction of its width."""
+        return self._window(fraction, 1.0 + fraction)
+
+    def showing(self, low: float, high: float, margin: float = 0.04) -> ValueAxis:
+        """A window around two values."""
+        if not low < high:
+            reach = max((self.data_high - self.data_low) * 0.02, abs(low) * 1e-6, 1e-9)
+            low, high = low - reach, high + reach
+        window = replace(self, low=low, high=high)
+        return window._window(-margin, 1.0 + margin)  # noqa: SLF001 - a window of the same class
+
+    def with_points(self, low: float, high: float) -> ValueAxis:
+        """The window of the data range, widened by up to a sixth to show points just outside it."""
+        reach = (self.data_high - self.data_low) / 6
+        low = min(self.data_low, low) if low >= self.data_low - reach else self.data_low
+        high = max(self.data_high, high) if high <= self.data_high + reach else self.data_high
+        margin = 0.02 * (high - low)
+        return replace(self, low=low - margin, high=high + margin)
+
+    def toggled(self, logarithmic: bool) -> ValueAxis:
+        """The same window on the other scale."""
+        return replace(self, logarithmic=logarithmic)
+
+    def ticks(self, most: int) -> list[float]:
+        """At most about that many round values within the window, ascending."""
+        if not self.logarithmic:
+            return round_values(self.low, self.high, most)
+        found: list[float] = []
+        for part in range(most):
+            a, b = self.value(part / most), self.value((part + 1) / most)
+            found.append(_roundest(a, b))
+        spaced: list[float] = []
+        for tick in sorted(set(found)):
+            if not spaced or self.fraction(tick) - self.fraction(spaced[-1]) > 0.6 / most:
+                spaced.append(tick)
+        return spaced
+
+    def _window(self, first: float, last: float) -> ValueAxis:
+        low, high = self.value(first), self.value(last)
+        span = self.data_high - self.data_low
+        limit_low, limit_high = self.data_low - BEYOND * span, self.data_high + BEYOND * span
+        if high - low < SMALLEST * span:
+            return self
+        width = min(high - low, limit_high - limit_low)
+        low = min(max(low, limit_low), limit_high - width)
+        return replace(self, low=low, high=low + width)
+
+    def _forward(self, value: float) -> float:
+        if not self.logarithmic:
+            return value
+        return math.asinh((value - self.origin) / (LINEAR_PART * (self.data_high - self.data_low)))
+
+    def _backward(self, place: float) -> float:
+        if not self.logarithmic:
+            return place
+        return self.origin + math.sinh(place) * LINEAR_PART * (self.data_high - self.data_low)
+
+
+@dataclass(frozen=True)
+class OpacityAxis:
+    """Opacities 0..1 from bottom to top, linear or with room for small ones."""
+
+    fine: bool = True
+
+    def fraction(self, opacity: float) -> float:
+        """Height of an opacity, 0..1."""
+        return max(opacity, 0.0) ** FINE_EXPONENT if self.fine else opacity
+
+    def fractions(self, opacities: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Heights of many opacities."""
+        return np.maximum(opacities, 0.0) ** FINE_EXPONENT if self.fine else opacities
+
+    def opacity(self, fraction: float) -> float:
+        """Opacity at a height, within 0..1."""
+        fraction = min(max(fraction, 0.0), 1.0)
+        return fraction ** (1.0 / FINE_EXPONENT) if self.fine else fraction
+
+    def ticks(self) -> list[float]:
+        """Opacities to draw lines at."""
+        return [0.0, 0.001, 0.01, 0.1, 0.3, 1.0] if self.fine else [0.0, 0.25, 0.5, 0.75, 1.0]
+
+
+def round_values(low: float, high: float, most: int) -> list[float]:
+    """Multiples of 1, 2 or 5 times a power of ten between two values, at most about `most`."""
+    if not low < high or most < 1:
+        return []
+    rough = (high - low) / most
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= rough * 0.999)
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [k * step for k in range(first, last + 1)]
+
+
+def _roundest(low: float, high: float) -> float:
+    """The value with the fewest digits between two values."""
+    if low <= 0.0 <= high:
+        return 0.0
+    rounds = round_values(low, high, 1)
+    return min(rounds, key=lambda v: len(f"{v:.12g}")) if rounds else (low + high) / 2
+
+
+def value_text(value: float, span: float) -> str:
+    """A value with as many digits as a window of that width needs."""
+    if value == 0.0:
+        return "0"
+    if not math.isfinite(value):
+        return str(value)
+    digits = max(0, 3 - math.floor(math.log10(span))) if span > 0 else 3
+    if digits > 7 or abs(value) >= 1e7:
+        return f"{value:.4g}"
+    return f"{value:.{min(digits, 6)}f}".rstrip("0").rstrip(".") if digits else f"{value:.0f}"

@@ -1,0 +1,345 @@
+"""The transfer-function editor: a row of commands, the plot, the fields of what is chosen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QPointF, QSize, Qt, Signal
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QMenu,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from volviz.model.own_presets import OwnPresets
+from volviz.model.presets import Preset, presets
+from volviz.model.transfer_function import TransferFunction
+from volviz_ui.icons import set_icon
+from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
+from volviz_ui.transfer_editor.counting import Counter
+from volviz_ui.transfer_editor.fields import Fields
+from volviz_ui.transfer_editor.model import EditorModel
+from volviz_ui.transfer_editor.plot import TransferPlot
+from volviz_ui.transfer_editor.preset_commands import PresetCommands
+from volviz_ui.transfer_editor.preset_popup import PresetPopup, ThumbnailProvider
+
+if TYPE_CHECKING:
+    from volviz.model.scene import Store
+    from volviz.model.volume import Volume
+
+
+class TransferEditor(QWidget):
+    """Edits the transfer function of the first layer.
+
+    Parameters
+    ----------
+    store : Store
+        Holds the scene; every edit goes there, a drag as one step of the history.
+    parent : QWidget, optional
+        Owner.
+    own_presets : OwnPresets, optional
+        Where the user's presets lie; default: the user's settings folder.
+    """
+
+    gesture_started = Signal()
+    gesture_finished = Signal()
+    failed = Signal(object)
+    """An error to show in words: a `VolvizError`."""
+    isovalue_moved = Signal(int, float)
+    """The user drags the isovalue of that index."""
+    isovalue_released = Signal(int)
+    value_hovered = Signal(object)
+    """Value under the pointer, None when it has left the plot."""
+
+    def __init__(
+        self, store: Store, parent: QWidget | None = None, *, own_presets: OwnPresets | None = None
+    ) -> None:
+        super().__init__(parent)
+        self.setAccessibleName(self.tr("Transfer-function editor"))
+        self.own_presets = own_presets if own_presets is not None else OwnPresets()
+        self.model = EditorModel(store, self)
+        self.counter = Counter(self)
+        self._pending: Volume | None = None
+        self.plot = TransferPlot(self.model, self.counter, self)
+        self.fields = Fields(self.model, self)
+        self.popup = PresetPopup(self.own_presets, self)
+        self.commands = PresetCommands(self.model, self.own_presets, self)
+        self._build()
+        self._connect()
+        self._on_function_changed()
+
+    def sizeHint(self) -> QSize:
+        """A wide, low dock."""
+        return QSize(1100, 228)
+
+    # ------------------------------------------------------------------ for the window
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Show the histogram, range and unit of another volume; counted when the editor is first seen."""
+        self.popup.set_volume(volume)
+        self.model.set_volume(volume)
+        self._pending = volume
+        if volume is None or self.isVisible():
+            self._count()
+
+    @property
+    def thumbnail_provider(self) -> ThumbnailProvider | None:
+        """Called as ``provider(transfer_function, deliver)`` one after the other while the presets are shown.
+
+        It renders the function on the volume, when idle, and calls ``deliver(QImage)`` on the GUI thread.
+        """
+        return self.popup.provider
+
+    @thumbnail_provider.setter
+    def thumbnail_provider(self, provider: ThumbnailProvider | None) -> None:
+        self.popup.provider = provider
+
+    def set_isovalues(
+        self, values: tuple[float, ...], colors: tuple[tuple[float, float, float], ...] = ()
+    ) -> None:
+        """Show markers for isovalues; `isovalue_moved` and `isovalue_released` tell when one is dragged."""
+        self.plot.set_markers(values, colors)
+
+    def highlight_value(self, value: float | None) -> None:
+        """Mark a value in the plot, the sample of a ray say."""
+        self.plot.set_highlight(value)
+
+    def begin_shift_stretch(self) -> None:
+        """A drag with the modifier starts in the viewport."""
+        self._drag_start: TransferFunction | None = self.model.function
+        self.model.begin(self.tr("Shift and stretch"))
+
+    def shift_stretch(self, right: float, up: float) -> None:
+        """The drag has gone so far, in fractions of the viewport's size: right shifts, up stretches."""
+        start = self._drag_start
+        if start is not None and self.model.in_gesture:
+            low, high = self.model.data_range
+            middle = (start.points[0].value + start.points[-1].value) / 2
+            function = start.stretched(2.0 ** min(max(up * 4.0, -6.0), 6.0), middle)
+            self.model.apply(function.shifted(right * (high - low)), self.tr("Shift and stretch"))
+
+    def end_shift_stretch(self, *, cancel: bool = False) -> None:
+        """The drag in the viewport is over."""
+        if cancel:
+            self.model.cancel()
+        else:
+            self.model.finish()
+
+    def set_automatic(self) -> None:
+        """Put the automatic function on the data."""
+        if self.model.volume is not None:
+            self.model.apply(TransferFunction.auto(self.model.volume), self.tr("Automatic function"), ())
+
+    def close_workers(self) -> None:
+        """Stop counting and wait, before the program ends."""
+        self.counter.wait()
+
+    # ------------------------------------------------------------------ building
+
+    def _build(self) -> None:
+        self.preset_button = self._button("", self.tr("Choose a preset"), text=True)
+        self.preset_button.setMinimumWidth(168)
+        self.preset_button.setAutoRaise(False)
+        self.preset_button.setAccessibleName(self.tr("Preset"))
+        set_icon(self.preset_button, "swatches")
+        self.auto_button = self._button(
+            self.tr("Auto"), self.tr("A first function from the histogram of the data"), text=True
+        )
+        set_icon(self.auto_button, "magic-wand")
+        self.more_button = self._button("", self.tr("Save, import and export presets"), "dots-three-vertical")
+        self.shape_button = self._button(
+            self.tr("Shape"), self.tr("Put a peak, box or ramp on the curve"), text=True
+        )
+        set_icon(self.shape_button, "plus")
+        self.arrange_button = self._button(
+            self.tr("Arrange"), self.tr("Align, distribute, flip and scale the chosen points"), text=True
+        )
+        set_icon(self.arrange_button, "align-bottom")
+        self.color_button = self._button(
+            self.tr("Colours"), self.tr("Put a colour map on the function; opacities stay"), text=True
+        )
+        set_icon(self.color_button, "palette")
+        self.log_counts_button = self._toggle(
+            "chart-bar", self.tr("Logarithmic heights of the histogram"), on=True
+        )
+        self.log_values_button = self._toggle(
+            "arrows-out-line-horizontal", self.tr("Logarithmic value axis: room for values near zero")
+        )
+        self.fine_button = self._toggle(
+            "arrows-out-line-vertical", self.tr("Fine opacity axis: room for small opacities"), on=True
+        )
+        self.fit_data_button = self._button("", self.tr("Show the range of the data (Home)"), "frame-corners")
+        self.fit_function_button = self._button("", self.tr("Show all points (End)"), "selection-all")
+        self.percentile_button = self._button(
+            "", self.tr("Show the middle 99 % of the voxels, without outliers"), "arrows-in-line-horizontal"
+        )
+        self._fill_menus()
+        bar = QHBoxLayout()
+        bar.setContentsMargins(0, 0, 0, 0)
+        bar.setSpacing(4)
+        for widget in (self.preset_button, self.auto_button, self.more_button):
+            bar.addWidget(widget)
+        bar.addWidget(self._line())
+        for widget in (self.color_button, self.shape_button, self.arrange_button):
+            bar.addWidget(widget)
+        bar.addStretch(1)
+        for widget in (self.log_counts_button, self.log_values_button, self.fine_button):
+            bar.addWidget(widget)
+        bar.addWidget(self._line())
+        for widget in (self.fit_data_button, self.percentile_button, self.fit_function_button):
+            bar.addWidget(widget)
+        body = QHBoxLayout()
+        body.setContentsMargins(0, 0, 0, 0)
+        body.setSpacing(4)
+        body.addWidget(self.plot, 1)
+        body.addWidget(self.fields)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 4, 8, 4)
+        layout.setSpacing(4)
+        layout.addLayout(bar)
+        layout.addLayout(body, 1)
+
+    def _button(self, label: str, tip: str, icon: str = "", *, text: bool = False) -> QToolButton:
+        button = QToolButton(self)
+        button.setText(label)
+        button.setToolTip(tip)
+        button.setAccessibleName(label or tip)
+        button.setAutoRaise(True)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        button.setMinimumSize(30, 28)
+        if text:
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        if icon:
+            set_icon(button, icon)
+        return button
+
+    def _toggle(self, icon: str, tip: str, *, on: bool = False) -> QToolButton:
+        button = self._button("", tip, icon)
+        button.setCheckable(True)
+        button.setChecked(on)
+        return button
+
+    def _line(self) -> QFrame:
+        line = QFrame(self)
+        line.setFrameShape(QFrame.Shape.VLine)
+        line.setFrameShadow(QFrame.Shadow.Plain)
+        line.setObjectName("section_line")
+        line.setFixedWidth(1)
+        line.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        return line
+
+    def _fill_menus(self) -> None:
+        commands = self.commands
+        more = QMenu(self)
+        groups = (
+            (
+                (self.tr("Save as preset…"), "floppy-disk", commands.save),
+                (self.tr("Rename preset…"), "pencil-simple", commands.rename),
+                (self.tr("Delete preset…"), "trash", commands.delete),
+            ),
+            (
+                (self.tr("Import…"), "download-simple", commands.import_file),
+                (self.tr("Export…"), "upload-simple", commands.export_file),
+            ),
+            ((self.tr("Simplify points"), "polygon", commands.simplify),),
+        )
+        for group in groups:
+            if not more.isEmpty():
+                more.addSeparator()
+            for label, icon, slot in group:
+                action = more.addAction(label)
+                set_icon(action, icon)
+                action.triggered.connect(slot)
+        colors, shapes, arrange = QMenu(self), QMenu(self), QMenu(self)
+        shapes.setToolTipsVisible(True)
+        colors.aboutToShow.connect(self._on_colors_shown)
+        fill_shape_menu(shapes, self.plot)
+        fill_arrange_menu(arrange, self.plot)
+        for button, menu in (
+            (self.more_button, more),
+            (self.color_button, colors),
+            (self.shape_button, shapes),
+            (self.arrange_button, arrange),
+        ):
+            button.setMenu(menu)
+            # the arrow stands in the text: Fusion would draw its own over the corner of the letters
+            button.setStyleSheet("QToolButton::menu-indicator { image: none; }")
+            if button is not self.more_button:
+                button.setText(f"{button.text()} ▾")
+            button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+
+    def _connect(self) -> None:
+        model, plot = self.model, self.plot
+        model.function_changed.connect(self._on_function_changed)
+        model.gesture_started.connect(self.gesture_started)
+        model.gesture_finished.connect(self.gesture_finished)
+        plot.color_wanted.connect(self.fields.choose_color)
+        plot.fields_wanted.connect(self._on_fields_wanted)
+        plot.menu_wanted.connect(self._on_menu_wanted)
+        plot.marker_moved.connect(self.isovalue_moved)
+        plot.marker_released.connect(self.isovalue_released)
+        plot.hovered.connect(self.value_hovered)
+        self.commands.failed.connect(self.failed)
+        self.popup.chosen.connect(self._on_preset_chosen)
+        self.preset_button.clicked.connect(self.show_presets)
+        self.auto_button.clicked.connect(self.set_automatic)
+        self.log_counts_button.toggled.connect(plot.set_log_counts)
+        self.log_values_button.toggled.connect(plot.set_log_values)
+        self.fine_button.toggled.connect(plot.set_fine_opacity)
+        self.fit_data_button.clicked.connect(plot.fit_data)
+        self.fit_function_button.clicked.connect(plot.fit_function)
+        self.percentile_button.clicked.connect(lambda _checked: plot.fit_percentiles())
+
+    # ------------------------------------------------------------------ reactions
+
+    def show_presets(self) -> None:
+        """Open the pictures of the presets."""
+        self.popup.open_below(self.preset_button)
+
+    def showEvent(self, event: object) -> None:
+        """Seen for the first time with this volume: count it now."""
+        super().showEvent(event)  # type: ignore[arg-type]
+        if self._pending is not None:
+            self._count()
+
+    def _count(self) -> None:
+        volume, self._pending = self._pending, None
+        self.counter.set_volume(volume)
+
+    def _on_function_changed(self) -> None:
+        function = self.model.function
+        for button in (
+            self.preset_button, self.auto_button, self.more_button, self.color_button, self.shape_button,
+            self.arrange_button,
+        ):  # fmt: skip
+            button.setEnabled(function is not None)
+        name = function.name if function is not None else ""
+        known = presets()
+        label = known[name].label if name in known else self.tr("Automatic") if name == "auto" else name
+        label = f"{label or self.tr('Presets')} ▾"
+        label = self.preset_button.fontMetrics().elidedText(label, Qt.TextElideMode.ElideRight, 130)
+        if self.preset_button.text() != label:
+            self.preset_button.setText(label)
+
+    def _on_preset_chosen(self, preset: Preset) -> None:
+        self.commands.take(preset)
+
+    def _on_colors_shown(self) -> None:
+        menu = self.color_button.menu()
+        if menu.isEmpty():
+            menu.setStyleSheet("")
+            self.commands.fill_colormap_menu(menu)
+
+    def _on_fields_wanted(self) -> None:
+        field = self.fields.value
+        field.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        field.selectAll()
+
+    def _on_menu_wanted(self, at: QPointF) -> None:
+        menu = context_menu(self.plot, at)
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.popup(self.plot.mapToGlobal(at.toPoint()))

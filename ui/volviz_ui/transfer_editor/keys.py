@@ -1,0 +1,149 @@
+"""Keys of the plot: everything that the mouse can do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeyEvent
+
+if TYPE_CHECKING:
+    from volviz_ui.transfer_editor.plot import TransferPlot
+
+Key = Qt.Key
+_SHIFT, _CTRL, _ALT = (
+    Qt.KeyboardModifier.ShiftModifier,
+    Qt.KeyboardModifier.ControlModifier,
+    Qt.KeyboardModifier.AltModifier,
+)
+_ARROWS = {Key.Key_Left: (-1, 0), Key.Key_Right: (1, 0), Key.Key_Up: (0, 1), Key.Key_Down: (0, -1)}
+
+#: Rows of the shortcuts page: keys and what they do.
+SHORTCUTS = (
+    ("Page Down, Page Up", "Choose the next, the previous point (Ctrl: in addition)"),
+    ("Arrow keys", "Move what is chosen (Shift: ten times as far, Ctrl: a tenth)"),
+    ("Insert", "Add a point to the right of the chosen one"),
+    ("Delete", "Remove the chosen points"),
+    ("Ctrl+A", "Choose all points"),
+    ("Ctrl+D", "Duplicate the chosen points"),
+    ("C", "Choose a colour"),
+    ("Enter", "Type value and opacity"),
+    ("[  ]", "Shift the whole function"),
+    ("{  }", "Stretch the whole function"),
+    ("+  -", "Zoom the value axis"),
+    ("Alt+Left, Alt+Right", "Pan the value axis"),
+    ("Home, End", "Show all data, all points"),
+    ("Escape", "Cancel a drag, choose nothing"),
+)
+
+
+def is_ours(plot: TransferPlot, event: QKeyEvent) -> bool:
+    """Whether the plot has a use for the key, so that a shortcut of the window must wait."""
+    if event.key() == Key.Key_Escape:
+        return plot.model.in_gesture or bool(plot.model.selection) or plot.model.stop is not None
+    return _action(plot, event) is not None
+
+
+def handle_key(plot: TransferPlot, event: QKeyEvent) -> bool:
+    """Do what the key stands for; False when it stands for nothing here."""
+    if event.key() == Key.Key_Escape:
+        return plot.escape()
+    action = _action(plot, event)
+    if action is None:
+        return False
+    action()
+    event.accept()
+    return True
+
+
+def _action(plot: TransferPlot, event: QKeyEvent) -> Callable[[], object] | None:
+    model, key, modifiers = plot.model, event.key(), event.modifiers()
+    if model.function is None:
+        return None
+    shift, ctrl, alt = (bool(modifiers & m) for m in (_SHIFT, _CTRL, _ALT))
+    if key in _ARROWS:
+        across, up = _ARROWS[Key(key)]
+        if alt:
+            return (lambda: plot.set_axis(plot.axis.panned(0.08 * across))) if across else None
+        return lambda: _nudge(plot, across, up, 10.0 if shift else 0.1 if ctrl else 1.0)
+    if ctrl:
+        last = len(model.function.points)
+        with_control: dict[int, Callable[[], object]] = {
+            Key.Key_A: lambda: model.select(() if shift else range(last)),
+            Key.Key_D: plot.duplicate,
+            Key.Key_PageDown: lambda: plot.select_neighbour(1, adding=True),
+            Key.Key_PageUp: lambda: plot.select_neighbour(-1, adding=True),
+        }
+        return with_control.get(key)
+    if alt:
+        return None
+    plain: dict[int, Callable[[], object]] = {
+        Key.Key_PageDown: lambda: plot.select_neighbour(1),
+        Key.Key_PageUp: lambda: plot.select_neighbour(-1),
+        Key.Key_Delete: plot.delete,
+        Key.Key_Backspace: plot.delete,
+        Key.Key_Insert: lambda: _insert(plot),
+        Key.Key_C: plot.color_wanted.emit,
+        Key.Key_Home: plot.fit_data,
+        Key.Key_End: plot.fit_function,
+        Key.Key_Plus: lambda: plot.zoom(1.25),
+        Key.Key_Equal: lambda: plot.zoom(1.25),
+        Key.Key_Minus: lambda: plot.zoom(0.8),
+        Key.Key_BracketLeft: lambda: plot.shift_stretch(-0.005),
+        Key.Key_BracketRight: lambda: plot.shift_stretch(0.005),
+        Key.Key_BraceLeft: lambda: plot.shift_stretch(0.0, 1 / 1.05),
+        Key.Key_BraceRight: lambda: plot.shift_stretch(0.0, 1.05),
+        Key.Key_Return: plot.fields_wanted.emit,
+        Key.Key_Enter: plot.fields_wanted.emit,
+    }
+    if key in (Key.Key_Return, Key.Key_Enter, Key.Key_C) and not (model.selection or model.stop is not None):
+        return None
+    return plain.get(key)
+
+
+def _nudge(plot: TransferPlot, across: int, up: int, factor: float) -> None:
+    """Two pixels a press, whatever the zoom; the first press without a choice chooses a point."""
+    model = plot.model
+    if model.stop is not None:
+        _nudge_stop(plot, across * 2.0 * factor)
+        return
+    if not model.selection:
+        plot.select_neighbour(1 if across > 0 or up > 0 else -1)
+        return
+    function = model.function
+    if function is None:
+        return
+    places = plot.places
+    point = function.points[min(model.selection)]
+    value = places.value(places.x(point.value) + 2.0 * factor * across) - point.value if across else 0.0
+    opacity = places.opacity(places.y(point.opacity) - 2.0 * factor * up) - point.opacity if up else 0.0
+    model.nudge(value, opacity)
+    plot.reveal(point.value + value)
+
+
+def _nudge_stop(plot: TransferPlot, pixels: float) -> None:
+    from volviz.model.transfer_lanes import with_moved_stop
+
+    stop = plot.model.stop
+    if pixels and stop is not None:
+        colors, opacities = plot.model.lanes
+        value = plot.places.value(plot.places.x(colors[stop].value) + pixels)
+        plot.model.apply_lanes(with_moved_stop(colors, stop, value), opacities, plot.tr("Move colour"))
+
+
+def _insert(plot: TransferPlot) -> None:
+    """Half way to the next point, or in the middle of the window when nothing is chosen."""
+    model = plot.model
+    function = model.function
+    if function is None:
+        return
+    if model.selection:
+        index = max(model.selection)
+        here = function.points[index].value
+        following = function.points[index + 1].value if index + 1 < len(function.points) else plot.axis.high
+        value = (here + following) / 2
+    else:
+        value = plot.axis.value(0.5)
+    function, index = function.with_point(value)
+    model.apply(function, plot.tr("Add point"), {index})

@@ -1,0 +1,245 @@
+"""What the editor works on: the function in the store, the chosen points, one gesture at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import count
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+from shiboken6 import isValid
+
+from volviz.model import transfer_edits as edits
+from volviz.model.scene import Scene, Store
+from volviz.model.transfer_lanes import Lane, merged, split
+
+if TYPE_CHECKING:
+    from volviz.model.transfer_function import TransferFunction
+    from volviz.model.volume import Volume
+
+_numbers = count(1)
+
+
+class EditorModel(QObject):
+    """Reads the transfer function from the store and writes it there; keeps what is selected.
+
+    Values are in data units: a relative function is resolved with the range of the volume as soon as it is
+    shown, and stored resolved once it is edited.
+
+    Parameters
+    ----------
+    store : Store
+        Holds the scene.
+    parent : QObject
+        Owner.
+    """
+
+    function_changed = Signal()
+    selection_changed = Signal()
+    range_changed = Signal()
+    gesture_started = Signal()
+    gesture_finished = Signal()
+
+    def __init__(self, store: Store, parent: QObject) -> None:
+        super().__init__(parent)
+        self.store = store
+        self.volume: Volume | None = None
+        self._selection: frozenset[int] = frozenset()
+        self._stop: int | None = None
+        self._gesture: tuple[str, int] | None = None
+        self._gesture_label = ""
+        self._selection_before: frozenset[int] = frozenset()
+        self._writing = False
+        self._shown: TransferFunction | None = None
+        self._lanes: tuple[Lane, Lane] | None = None
+        self._read()
+        store.changed.connect(self._on_scene_changed)
+
+    # ------------------------------------------------------------------ what there is
+
+    @property
+    def function(self) -> TransferFunction | None:
+        """The function in data units; None when there is no layer."""
+        return self._shown
+
+    @property
+    def data_range(self) -> tuple[float, float]:
+        """Range of the data; of the function's points while no volume is there."""
+        if self.volume is not None:
+            low, high = self.volume.range
+        elif self._shown is not None:
+            low, high = self._shown.points[0].value, self._shown.points[-1].value
+        else:
+            low, high = 0.0, 1.0
+        return (low, high) if low < high else (low, low + 1.0)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values."""
+        return "" if self.volume is None else self.volume.unit
+
+    @property
+    def selection(self) -> frozenset[int]:
+        """Indices of the chosen points."""
+        return self._selection
+
+    @property
+    def stop(self) -> int | None:
+        """Index of the chosen stop of the colour ramp."""
+        return self._stop
+
+    @property
+    def lanes(self) -> tuple[Lane, Lane]:
+        """Colours and opacities of the function, each with the stops it needs."""
+        if self._shown is None:
+            return (), ()
+        if self._lanes is None:
+            self._lanes = split(self._shown)
+        return self._lanes
+
+    @property
+    def in_gesture(self) -> bool:
+        """Whether a drag is going on."""
+        return self._gesture is not None
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Take the range and unit of another volume."""
+        self.volume = volume
+        self._read()
+        self.range_changed.emit()
+        self.function_changed.emit()
+
+    def select(self, indices: Iterable[int]) -> None:
+        """Choose points, and no stop of the ramp."""
+        last = 0 if self._shown is None else len(self._shown.points)
+        chosen = frozenset(i for i in indices if 0 <= i < last)
+        if chosen != self._selection or self._stop is not None:
+            self._selection, self._stop = chosen, None
+            self.selection_changed.emit()
+
+    def select_stop(self, index: int | None) -> None:
+        """Choose a stop of the colour ramp, and no points."""
+        if index != self._stop or self._selection:
+            self._selection, self._stop = frozenset(), index
+            self.selection_changed.emit()
+
+    # ------------------------------------------------------------------ changing it
+
+    def apply(self, function: TransferFunction, label: str, selection: Iterable[int] | None = None) -> None:
+        """One change, one step of the history (or part of the running gesture)."""
+        self._write(function, self._gesture_label if self._gesture else label)
+        if selection is not None:
+            self.select(selection)
+
+    def begin(self, label: str) -> None:
+        """A gesture starts: what follows until `finish` is one step of the history."""
+        if self._gesture is not None:
+            self.finish()
+        self._gesture, self._gesture_label = ("transfer function", next(_numbers)), label
+        self._selection_before = self._selection
+        self.gesture_started.emit()
+
+    def finish(self) -> None:
+        """The gesture is over."""
+        if self._gesture is not None:
+            self._gesture = None
+            self.store.end_gesture()
+            self.gesture_finished.emit()
+
+    def cancel(self) -> None:
+        """Take back what the gesture has changed."""
+        if self._gesture is not None:
+            gesture, self._gesture = self._gesture, None
+            self._writing = True
+            try:
+                self.store.cancel_gesture(gesture)
+            finally:
+                self._writing = False
+            self._read()
+            self._selection = frozenset()
+            self.select(self._selection_before)
+            self.function_changed.emit()
+            self.gesture_finished.emit()
+
+    def apply_lanes(self, colors: Lane, opacities: Lane, label: str) -> None:
+        """Colours and opacities put together and stored; the lanes keep stops that lie on a straight line."""
+        if self._shown is not None:
+            stop = self._stop
+            self.apply(merged(colors, opacities, self._shown), label)
+            self._lanes = (colors, opacities)
+            self._selection, self._stop = frozenset(), stop
+            self.function_changed.emit()
+
+    # ------------------------------------------------------------------ edits of the chosen points
+
+    def delete_selected(self) -> None:
+        """Remove the chosen points; one always stays."""
+        if self._shown is not None and self._selection:
+            self.apply(self._shown.without_points(self._selection), self.tr("Delete points"), ())
+
+    def duplicate_selected(self, offset: float) -> None:
+        """Copy the chosen points and choose the copies."""
+        if self._shown is not None and self._selection:
+            function, copies = edits.duplicated(self._shown, self._selection, offset)
+            self.apply(function, self.tr("Duplicate points"), copies)
+
+    def nudge(self, value: float, opacity: float) -> None:
+        """Move the chosen points by a small step."""
+        if self._shown is not None and self._selection:
+            moved = edits.moved(self._shown, self._selection, value, opacity)
+            self.apply(moved, self.tr("Move points"))
+
+    def color_selected(self, color: tuple[float, float, float]) -> None:
+        """Give the chosen points, or the chosen stop of the ramp, a colour."""
+        if self._shown is None:
+            return
+        if self._stop is not None:
+            from volviz.model.transfer_lanes import with_level
+
+            colors, opacities = self.lanes
+            self.apply_lanes(with_level(colors, self._stop, color), opacities, self.tr("Change colour"))
+            return
+        function = self._shown
+        for i in self._selection:
+            function = function.with_changed_point(i, color=color)
+        self.apply(function, self.tr("Change colour"))
+
+    # ------------------------------------------------------------------ the store
+
+    def _write(self, function: TransferFunction, label: str) -> None:
+        if self.store.scene.layer is None:
+            return
+        self._writing = True
+        try:
+            self.store.update(
+                lambda scene: scene.with_layer(transfer_function=function), label=label, gesture=self._gesture
+            )
+        finally:
+            self._writing = False
+        if self._read():
+            self.function_changed.emit()
+
+    def _read(self) -> bool:
+        layer = self.store.scene.layer
+        function = None if layer is None else layer.transfer_function
+        if function is not None and function.domain == "relative":
+            low, high = (0.0, 1.0) if self.volume is None else self.volume.range
+            function = function.resolved((low, high) if low < high else (low, low + 1.0))
+        if function == self._shown:
+            return False
+        self._shown, self._lanes = function, None
+        return True
+
+    def _on_scene_changed(self, _old: Scene, _new: Scene) -> None:
+        if self._writing or not isValid(self):
+            return
+        before = self._shown
+        if not self._read():
+            return
+        if self._shown is None or before is None or len(before.points) != len(self._shown.points):
+            self._selection, self._stop = frozenset(), None
+            self.selection_changed.emit()
+        elif self._stop is not None and self._stop >= len(self.lanes[0]):
+            self._stop = None
+            self.selection_changed.emit()
+        self.function_changed.emit()

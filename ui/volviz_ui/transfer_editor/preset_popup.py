@@ -1,0 +1,197 @@
+"""The presets as pictures, in a window that opens below its button."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QEvent, QPoint, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QIcon, QImage, QKeyEvent, QPixmap
+from PySide6.QtWidgets import QFrame, QLabel, QListView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+
+from volviz.model.presets import Preset, preset_for, presets
+from volviz_ui.transfer_editor.painting import thumbnail
+
+if TYPE_CHECKING:
+    from volviz.model.own_presets import OwnPresets
+    from volviz.model.transfer_function import TransferFunction
+    from volviz.model.volume import Volume
+
+#: Renders a function on the user's volume when the program is idle and hands the picture over.
+ThumbnailProvider = Callable[["TransferFunction", Callable[[QImage], None]], None]
+
+WIDTH, HEIGHT = 104, 72
+_PRESET = Qt.ItemDataRole.UserRole
+
+
+class PresetList(QListWidget):
+    """Presets as a grid of pictures with their names."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setViewMode(QListView.ViewMode.IconMode)
+        self.setResizeMode(QListView.ResizeMode.Adjust)
+        self.setMovement(QListView.Movement.Static)
+        self.setUniformItemSizes(True)
+        self.setWordWrap(True)
+        self.setIconSize(QSize(WIDTH, HEIGHT))
+        self.setGridSize(QSize(WIDTH + 16, HEIGHT + 30))
+        self.setSpacing(4)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setItemAlignment(Qt.AlignmentFlag.AlignCenter)
+
+    def add(self, preset: Preset) -> QListWidgetItem:
+        """Append a preset."""
+        item = QListWidgetItem(preset.label, self)
+        item.setData(_PRESET, preset)
+        about = preset.description or preset.label
+        if preset.technique:
+            about += "\n" + self.tr("Brings its technique: %1").replace("%1", preset.technique)
+        item.setToolTip(about)
+        item.setTextAlignment(Qt.AlignmentFlag.AlignCenter)
+        return item
+
+
+class PresetPopup(QFrame):
+    """Own presets above, bundled ones below; a click or Enter takes one.
+
+    Parameters
+    ----------
+    own : OwnPresets
+        Where the user's presets lie.
+    parent : QWidget
+        Owner.
+    """
+
+    chosen = Signal(object)
+
+    def __init__(self, own: OwnPresets, parent: QWidget) -> None:
+        super().__init__(parent, Qt.WindowType.Popup)
+        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.setAccessibleName(self.tr("Presets"))
+        self.provider: ThumbnailProvider | None = None
+        self._own_presets = own
+        self._volume: Volume | None = None
+        self._pictures: dict[tuple[object, ...], QImage] = {}
+        self._waiting: list[QListWidgetItem] = []
+        self._round = 0
+        self.own_caption = QLabel(self.tr("Own presets"), self)
+        self.own_caption.setProperty("quiet", True)
+        self.own_list = PresetList(self)
+        self.own_list.setAccessibleName(self.tr("Own presets"))
+        self.caption = QLabel(self.tr("Presets"), self)
+        self.caption.setProperty("quiet", True)
+        self.list = PresetList(self)
+        self.list.setAccessibleName(self.tr("Bundled presets"))
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 8, 8, 8)
+        layout.setSpacing(4)
+        for widget in (self.own_caption, self.own_list, self.caption, self.list):
+            layout.addWidget(widget)
+        for each in (self.own_list, self.list):
+            each.itemClicked.connect(self._on_taken)
+            each.itemActivated.connect(self._on_taken)
+            each.installEventFilter(self)
+        self._idle = QTimer(self)
+        self._idle.setSingleShot(True)
+        self._idle.setInterval(0)
+        self._idle.timeout.connect(self._next_picture)
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """The volume on which thumbnails are shown."""
+        if volume is not self._volume:
+            self._volume = volume
+            self._pictures.clear()
+
+    def open_below(self, button: QWidget) -> None:
+        """Fill the lists and show them at a button: below it, or above where there is no room."""
+        self.fill()
+        columns = 6
+        width = columns * (WIDTH + 16) + 44
+        rows = -(-self.list.count() // columns)
+        own_rows = min(-(-self.own_list.count() // columns), 2)
+        row = HEIGHT + 30
+        self.own_list.setFixedHeight(own_rows * row + 8)
+        self.resize(width, 60 + rows * row + (own_rows * row + 30 if own_rows else 0))
+        screen = button.screen().availableGeometry()
+        below = button.mapToGlobal(QPoint(0, button.height() + 2))
+        above = button.mapToGlobal(QPoint(0, -self.height() - 2))
+        top = below if below.y() + self.height() <= screen.bottom() else above
+        top.setX(max(min(top.x(), screen.right() - self.width()), screen.left()))
+        top.setY(max(top.y(), screen.top()))
+        self.move(top)
+        self.show()
+        self.list.setFocus()
+
+    def fill(self) -> None:
+        """Read the presets again and begin to draw their pictures."""
+        self._round += 1
+        self._waiting = []
+        for each, found in ((self.own_list, self._own_presets.all()), (self.list, presets())):
+            each.clear()
+            for preset in found.values():
+                item = each.add(preset)
+                self._show_picture(item, preset)
+        has_own = self.own_list.count() > 0
+        self.own_caption.setVisible(has_own)
+        self.own_list.setVisible(has_own)
+        if self.list.count():
+            self.list.setCurrentRow(0)
+        if self._waiting and self.provider is not None and self._volume is not None:
+            self._idle.start()
+
+    def hideEvent(self, event: QEvent) -> None:
+        """Closed: nobody waits for pictures any more."""
+        self._idle.stop()
+        super().hideEvent(event)  # type: ignore[arg-type]
+
+    def eventFilter(self, watched: QWidget, event: QEvent) -> bool:  # type: ignore[override]
+        """Enter takes the preset; up and down lead from one list to the other."""
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
+            current = watched.currentItem()  # type: ignore[attr-defined]
+            if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and current is not None:
+                self._on_taken(current)
+                return True
+            if event.key() == Qt.Key.Key_Escape:
+                self.close()
+                return True
+        return super().eventFilter(watched, event)
+
+    def function_of(self, preset: Preset) -> TransferFunction:
+        """The preset's function in the units of the volume."""
+        return preset.transfer_function if self._volume is None else preset_for(preset, self._volume)
+
+    def _show_picture(self, item: QListWidgetItem, preset: Preset) -> None:
+        function = self.function_of(preset)
+        key = (function.points, function.opacity)
+        picture = self._pictures.get(key)
+        if picture is None:
+            data_range = (0.0, 1.0) if self._volume is None else self._volume.range
+            if self._volume is None and function.domain == "data":
+                data_range = (function.points[0].value, function.points[-1].value)
+            picture = thumbnail(function, data_range, WIDTH, HEIGHT, self.devicePixelRatioF())
+            self._waiting.append(item)
+        item.setIcon(QIcon(QPixmap.fromImage(picture)))
+
+    def _next_picture(self) -> None:
+        if not self._waiting or self.provider is None or not self.isVisible():
+            return
+        item = self._waiting.pop(0)
+        function = self.function_of(item.data(_PRESET))
+        key, current = (function.points, function.opacity), self._round
+
+        def deliver(image: QImage) -> None:
+            self._pictures[key] = image
+            # The lists may have been filled anew meanwhile; the old items are gone then.
+            if current == self._round and not image.isNull():
+                item.setIcon(QIcon(QPixmap.fromImage(image)))
+            if self.isVisible():
+                self._idle.start()
+
+        self.provider(function, deliver)
+
+    def _on_taken(self, item: QListWidgetItem) -> None:
+        preset = item.data(_PRESET)
+        self.close()
+        self.chosen.emit(preset)
