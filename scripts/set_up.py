@@ -74,6 +74,7 @@ def set_up(task: str) -> Path:
         if not venv_works():
             make_venv()
             stamp = {}
+            say("The Python packages are some 500 MB to download, once; this takes a few minutes.")
         if stamp.get("key") != stamp_key():
             stamp = {"key": stamp_key(), "extras": []}
             install_python_packages(None if extra is None else [extra])
@@ -188,7 +189,7 @@ def make_venv() -> None:
 def install_python_packages(extras: list[str] | None) -> None:
     """Install VolViz (editable) and all that it needs; mirrors and proxies are pip's own configuration."""
     target = str(CHECKOUT) + (f"[{','.join(extras)}]" if extras else "")
-    say("Installing Python packages (once; some 500 MB, a few minutes)")
+    say("Installing Python packages" + (f" for {extras[0]}" if extras else ""))
     STAMP.unlink(missing_ok=True)
     command = [str(venv_python()), "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
     if not sys.stdout.isatty():
