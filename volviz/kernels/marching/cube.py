@@ -8,6 +8,7 @@ cube's 12 edges, steps with two or three are the diagonals that cutting the cube
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +71,7 @@ def _face(axis: int, side: int) -> tuple[int, int, int, int]:
 FACES = tuple(_face(axis, side) for axis in range(3) for side in range(2))
 
 
+@cache
 def share_a_face(first: int, second: int) -> bool:
     """Tell whether two cube edges lie in one face of the cube, so that a chord between them would as well."""
     ends = (first, second)

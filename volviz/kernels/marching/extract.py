@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -13,15 +12,13 @@ import numpy.typing as npt
 from volviz.errors import InputError
 from volviz.kernels.marching.lattice import sample_lattice
 from volviz.kernels.marching.passes import Extraction
-from volviz.kernels.marching.surface import clean_mesh, face_normals
-from volviz.kernels.marching.tables import CellTables, lorensen_tables, tetrahedra_tables
+from volviz.kernels.marching.surface import clean_mesh, drop_unused_vertices, face_normals
+from volviz.kernels.marching.tables import lorensen_tables, mirrored, tetrahedra_tables, with_hidden_cases
+from volviz.kernels.marching.topology import topological_tables
 
 Array = npt.NDArray[Any]
 
-_TABLES: dict[str, Callable[[], CellTables]] = {
-    "lorensen": lorensen_tables,
-    "tetrahedra": tetrahedra_tables,
-}
+METHODS = ("lorensen", "topological", "tetrahedra")
 _OTHER_NAMES = {"marching_cubes": "lorensen", "marching_tetrahedra": "tetrahedra"}
 
 
@@ -100,21 +97,37 @@ def marching_cubes(
     """
     value = _number(isovalue)
     name = _OTHER_NAMES.get(method, method)
-    if name not in _TABLES:
-        raise InputError(f"method is {method!r}; choose one of {', '.join(map(repr, _TABLES))}.")
+    if name not in METHODS:
+        raise InputError(f"method is {method!r}; choose one of {', '.join(map(repr, METHODS))}.")
     if normals not in {"gradient", "flat", None}:
         raise InputError(f"normals is {normals!r}; choose 'gradient', 'flat' or None.")
     lattice = sample_lattice(scalars, spacing, origin, direction, stride, bounds)
+    chosen = None if mask is None else _mask(mask, np.shape(scalars))[lattice.choice]
     threshold = _threshold(lattice.samples.dtype, value)
     if threshold is None:
         return _empty(normals)
-    tables = _TABLES[name]()
+    topology = topological_tables() if name == "topological" else None
+    if topology is not None:
+        tables = topology.cells
+    else:
+        tables = lorensen_tables() if name == "lorensen" else tetrahedra_tables()
+    if chosen is not None:
+        tables = with_hidden_cases(tables)
     if lattice.is_mirrored:
         tables = mirrored(tables)
     extraction = Extraction(
-        lattice, value, tables, with_normals=normals == "gradient", progress=progress, cancel=cancel
+        lattice,
+        value,
+        tables,
+        with_normals=normals == "gradient",
+        topology=topology,
+        mask=chosen,
+        progress=progress,
+        cancel=cancel,
     )
     vertices, faces, shading = extraction.run(threshold)
+    if chosen is not None:
+        vertices, faces, shading = drop_unused_vertices(vertices, faces, shading)
     if clean:
         vertices, faces, shading = clean_mesh(vertices, faces, shading)
     if normals == "flat":
@@ -122,12 +135,11 @@ def marching_cubes(
     return vertices, faces, shading
 
 
-def mirrored(tables: CellTables) -> CellTables:
-    """The same tables with all triangles turned over."""
-    triangles = tables.triangles.reshape(len(tables.triangles), -1, 3)[:, :, [0, 2, 1]]
-    turned = np.ascontiguousarray(triangles.reshape(tables.triangles.shape))
-    turned.flags.writeable = False
-    return replace(tables, triangles=turned)
+def _mask(mask: npt.ArrayLike, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
+    array = np.asarray(mask)
+    if array.dtype != np.bool_ or array.shape != shape:
+        raise InputError(f"mask has shape {array.shape} and type {array.dtype}; give bool of shape {shape}.")
+    return array
 
 
 def _number(isovalue: Any) -> float:

@@ -23,6 +23,7 @@ import numpy.typing as npt
 from volviz.errors import Cancelled
 from volviz.kernels.arrays import native_slab
 from volviz.kernels.compiled import compiled
+from volviz.kernels.marching.decisions import count_triangles, decide_configurations
 from volviz.kernels.marching.lattice import Lattice
 from volviz.kernels.marching.rows import (
     cell_words,
@@ -32,6 +33,7 @@ from volviz.kernels.marching.rows import (
     words_in_row,
 )
 from volviz.kernels.marching.tables import CellTables
+from volviz.kernels.marching.topology import TopologicalTables
 from volviz.kernels.marching.triangles import NUMBER_TRIANGLES
 from volviz.kernels.marching.vertices import COLUMNS, Geometry, place_vertices
 from volviz.kernels.threads import executor, split_range, worker_count
@@ -41,6 +43,11 @@ Array = npt.NDArray[Any]
 #: Voxels in a piece of work: large enough for the cost of handing it over, small enough for even loads and
 #: progress.
 PIECE_VOXELS = 1 << 21
+_NO_ROWS = np.full(256, -1, np.int64)
+_NO_FACES = np.full((256, 6), -1, np.int64)
+for _array in (_NO_ROWS, _NO_FACES):
+    _array.flags.writeable = False
+
 #: A volume smaller than this is not worth a second thread.
 SINGLE_PIECE_VOXELS = 1 << 16
 
@@ -69,6 +76,10 @@ class Extraction:
         Of the chosen method, mirrored when the lattice is.
     with_normals : bool
         Compute normals from gradients.
+    topology : TopologicalTables, optional
+        How to decide ambiguous cells; `tables` are then its own.
+    mask : ndarray of shape (Z, Y, X), bool, optional
+        Only cells with all corners set are drawn; `tables` then end with 256 rows without triangles.
     progress : callable, optional
         Called with the finished fraction, 0..1, from the calling thread.
     cancel : callable, optional
@@ -82,6 +93,8 @@ class Extraction:
         tables: CellTables,
         *,
         with_normals: bool,
+        topology: TopologicalTables | None = None,
+        mask: Array | None = None,
         progress: Callable[[float], object] | None = None,
         cancel: Callable[[], bool] | None = None,
     ) -> None:
@@ -89,6 +102,8 @@ class Extraction:
         self.isovalue = isovalue
         self.tables = tables
         self.with_normals = with_normals
+        self.topology = topology
+        self.mask = mask
         self.progress = progress
         self.cancel = cancel
         depth, height, width = self.samples.shape
@@ -212,7 +227,37 @@ class Extraction:
             first,
             stop,
         )
-        return room[:cells].copy()
+        if self.topology is None and self.mask is None:
+            return room[:cells].copy()
+        return self.decide(room[:cells], first, stop)
+
+    def decide(self, cases: Array, first: int, stop: int) -> Array:
+        """Configurations of cells whose case alone does not say what to draw."""
+        tables = self.tables
+        mask = (
+            np.empty((0, 0, 0), bool)
+            if self.mask is None
+            else np.ascontiguousarray(self.mask[first : stop + 1])
+        )
+        configurations = np.empty(len(cases), np.uint16)
+        decided = self.topology
+        decide_configurations(
+            native_slab(self.samples, first, stop + 1), mask, first,
+            self.bits, self.cells, self.isovalue, cases,
+            _NO_ROWS if decided is None else decided.first_row,
+            _NO_FACES if decided is None else decided.faces,
+            _NO_ROWS if decided is None else decided.inside_regions,
+            len(tables.triangle_count) - 256,
+            configurations, first, stop,
+        )  # fmt: skip
+        middles = np.zeros(self.vertex_starts.shape[::2], np.int64)
+        count_triangles(
+            configurations, self.cell_counts, tables.triangle_count, tables.middle_count,
+            self.triangle_starts, middles, first, stop,
+        )  # fmt: skip
+        if self.has_middles:
+            self.vertex_starts[first:stop, len(self.steps)] = middles[first:stop]
+        return configurations
 
     def write_triangles(self, number: int, first: int, stop: int, faces: Array) -> None:
         """Write the triangles of some planes of cells."""
@@ -297,6 +342,8 @@ def place_middles(first: int, vertices: Array, faces: Array, normals: Array) -> 
                     if with_normals:
                         sums[middle, 3 + axis] += normals[other, axis]
     for middle in range(count):
+        if uses[middle] == 0:
+            continue
         for axis in range(3):
             vertices[first + middle, axis] = sums[middle, axis] / uses[middle]
         if with_normals:

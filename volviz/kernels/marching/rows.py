@@ -140,6 +140,34 @@ def count_vertices(bits: Array, cells: Array, steps: Array, counts: Array, first
 
 
 @compiled
+def corner_words(bits: Array, at: Any, words: int, height: int) -> Any:
+    """The words of the 8 corners of 64 cells, in the order of the corners.
+
+    Parameters
+    ----------
+    bits : ndarray of shape (Z * Y * words,), uint64
+        See `mark_inside`, flat.
+    at : uintp
+        Position of the word of corner 0.
+    words, height : int
+        Words in a row, rows in a plane.
+    """
+    at1, at2 = at + np.uintp(words), at + np.uintp(height * words)
+    at3 = at2 + np.uintp(words)
+    return (
+        bits[at], shifted(bits, at), bits[at1], shifted(bits, at1),
+        bits[at2], shifted(bits, at2), bits[at3], shifted(bits, at3),
+    )  # fmt: skip
+
+
+@compiled
+def active_cells(c0: Any, c1: Any, c2: Any, c3: Any, c4: Any, c5: Any, c6: Any, c7: Any) -> Any:
+    """Bits of the cells whose eight corners are neither all inside nor all outside."""
+    some = c0 | c1 | c2 | c3 | c4 | c5 | c6 | c7
+    return some & ~(c0 & c1 & c2 & c3 & c4 & c5 & c6 & c7)
+
+
+@compiled
 def list_active_cells(
     bits: Array,
     cells: Array,
@@ -182,22 +210,11 @@ def list_active_cells(
             triangles = 0
             row = np.uintp((z * height + y) * words)
             for w in range(np.uintp(words - 1)):
-                # Rows (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1).
-                at0 = row + w
-                at1, at2 = at0 + np.uintp(words), at0 + np.uintp(height * words)
-                at3 = at2 + np.uintp(words)
-                a, b, c, d = flat[at0], flat[at1], flat[at2], flat[at3]
-                some, every = a | b | c | d, a & b & c & d
-                a1, b1, c1, d1 = (
-                    shifted(flat, at0),
-                    shifted(flat, at1),
-                    shifted(flat, at2),
-                    shifted(flat, at3),
-                )
-                active = (some | a1 | b1 | c1 | d1) & ~(every & a1 & b1 & c1 & d1) & cells[w]
+                c0, c1, c2, c3, c4, c5, c6, c7 = corner_words(flat, row + w, words, height)
+                active = active_cells(c0, c1, c2, c3, c4, c5, c6, c7) & cells[w]
                 if active == _NONE:
                     continue
-                case_numbers_64(a, a1, b, b1, c, c1, d, d1, cases)
+                case_numbers_64(c0, c1, c2, c3, c4, c5, c6, c7, cases)
                 end = position + np.uintp(bit_count(active))
                 while active != _NONE:
                     # Writing four always, and counting the true ones, spares branches that nobody can

@@ -9,7 +9,7 @@ the configurations alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import permutations
 
@@ -42,6 +42,8 @@ class CellTables:
     shift : ndarray of shape (N, lanes), int32
         What to add to a lane's counter for its vertex in this cell: 1 on the right-hand edges whose left-hand
         neighbour, which has the same counter, is crossed.
+    middle_count : ndarray of shape (N,), uint8
+        Vertices in the middle of the cell.
     advance : ndarray of shape (N, lanes), int32
         By how much a lane's counter moves on behind this cell.
     """
@@ -52,6 +54,7 @@ class CellTables:
     triangles: npt.NDArray[np.uint8]
     shift: npt.NDArray[np.int32]
     advance: npt.NDArray[np.int32]
+    middle_count: npt.NDArray[np.uint8]
 
 
 def pack(edges: Sequence[Edge], cases: Sequence[int], triangles: Sequence[Sequence[Triangle]]) -> CellTables:
@@ -66,14 +69,18 @@ def pack(edges: Sequence[Edge], cases: Sequence[int], triangles: Sequence[Sequen
     triangles : sequence of N sequences of triangles
         Lanes of the vertices.
     """
+    middle_count = np.zeros(len(cases), np.uint8)
     lanes = -(-len(edges) // LANE_MULTIPLE) * LANE_MULTIPLE
     shift = np.zeros((len(cases), lanes), np.int32)
     advance = np.zeros((len(cases), lanes), np.int32)
     for row, case in enumerate(cases):
-        used = {lane for triangle in triangles[row] for lane in triangle}
+        middles = len({lane for triangle in triangles[row] for lane in triangle if not edges[lane].step})
+        middle_count[row] = middles
+        first_middle = len([edge for edge in edges if edge.step])
         for lane, edge in enumerate(edges):
             if edge.step == 0:
-                advance[row, lane] = lane in used
+                advance[row, lane] = middles
+                shift[row, lane] = lane - first_middle
                 continue
             left = Edge(edge.start & ~1, edge.step)
             advance[row, lane] = left.is_crossed(case)
@@ -83,12 +90,12 @@ def pack(edges: Sequence[Edge], cases: Sequence[int], triangles: Sequence[Sequen
     flat = np.zeros((len(cases), 3 * most), np.uint8)
     for row, t in enumerate(triangles):
         flat[row, : 3 * len(t)] = np.array(t, np.uint8).ravel()
-    for array in (flat, shift, advance):
+    for array in (flat, shift, advance, middle_count):
         array.flags.writeable = False
     count = np.array([len(t) for t in triangles], np.uint8)
     count.flags.writeable = False
     steps = tuple(sorted({edge.step for edge in edges if edge.step}))
-    return CellTables(tuple(edges), steps, count, flat, shift, advance)
+    return CellTables(tuple(edges), steps, count, flat, shift, advance, middle_count)
 
 
 @cache
@@ -142,3 +149,30 @@ def _tetrahedron_triangles(
     if np.cross(middle[1] - middle[0], middle[2] - middle[0]) @ outward < 0:
         ring.reverse()
     return [(ring[0], ring[k], ring[k + 1]) for k in range(1, len(ring) - 1)]
+
+
+def mirrored(tables: CellTables) -> CellTables:
+    """The same tables with all triangles turned over."""
+    triangles = tables.triangles.reshape(len(tables.triangles), -1, 3)[:, :, [0, 2, 1]]
+    turned = np.ascontiguousarray(triangles.reshape(tables.triangles.shape))
+    turned.flags.writeable = False
+    return replace(tables, triangles=turned)
+
+
+def with_hidden_cases(tables: CellTables) -> CellTables:
+    """The same tables, then the 256 cases once more without triangles: cells that count but are not drawn."""
+    drawn = (tables.triangle_count, tables.triangles, tables.middle_count)
+    empty = [np.zeros_like(table[:256]) for table in drawn]
+    longer = [
+        np.concatenate([table, more])
+        for table, more in (
+            (tables.triangle_count, empty[0]),
+            (tables.triangles, empty[1]),
+            (tables.shift, tables.shift[:256]),
+            (tables.advance, tables.advance[:256]),
+            (tables.middle_count, empty[2]),
+        )
+    ]
+    for table in longer:
+        table.flags.writeable = False
+    return CellTables(tables.edges, tables.steps, *longer)
