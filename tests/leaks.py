@@ -91,9 +91,10 @@ def _qt_objects(objects: Iterable[Any]) -> Iterator[str]:
     if core is None:
         return
     for item in objects:
-        if isinstance(item, core.QTimer) and _is_valid(item) and item.isActive():
+        # the types themselves are asked: a dead weak proxy among the objects must not be touched
+        if issubclass(type(item), core.QTimer) and _is_valid(item) and item.isActive():
             yield f"QTimer {item.objectName()!r} of {item.parent()!r} is still running"
-        elif isinstance(item, core.QThread) and _is_valid(item) and item.isRunning():
+        elif issubclass(type(item), core.QThread) and _is_valid(item) and item.isRunning():
             yield f"QThread {item.objectName()!r} is still running"
 
 
@@ -112,7 +113,7 @@ def _vtk_objects(objects: Iterable[Any]) -> Iterator[str]:
     )
     if classes:
         for item in objects:
-            if isinstance(item, classes):
+            if issubclass(type(item), classes):
                 yield f"{item.GetClassName()} is still alive, held by {_holders(item, objects)}"
 
 
@@ -123,7 +124,7 @@ def _gl_objects(objects: Iterable[Any]) -> Iterator[str]:
     classes = tuple(getattr(moderngl, name) for name in GL_CLASSES)
     for item in objects:
         # After release() the wrapped object is replaced by an InvalidObject.
-        if isinstance(item, classes) and type(item.mglo).__name__ != "InvalidObject":
+        if issubclass(type(item), classes) and type(item.mglo).__name__ != "InvalidObject":
             label = getattr(item, "label", None) or ""
             yield f"moderngl.{type(item).__name__} {label} is not released, held by {_holders(item, objects)}"
 

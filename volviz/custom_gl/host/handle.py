@@ -110,8 +110,8 @@ class VolumeHandle:
         self._depth = SceneDepth()
         self._depth_key: Any = None
         self._removed = False
-        self._gpu: WindowGpu = acquire(self.window)
         self._hook = Hook(self.renderer, self._on_hook)
+        self._gpu: WindowGpu = acquire(self.window)
         _HOOK_ACTORS.add(id(self._hook.actor))
         _HANDLES.append(self)
         self._place()

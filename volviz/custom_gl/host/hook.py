@@ -34,6 +34,8 @@ class Hook:
 
     def __init__(self, renderer: Any, callback: Callable[[], None]) -> None:
         self.renderer = renderer
+        # first of all, since it may refuse
+        self.install()
         self.actor = vtk.vtkActor()
         self._cube = vtk.vtkCubeSource()
         self._mapper = vtk.vtkPolyDataMapper()
@@ -44,7 +46,6 @@ class Hook:
         self.actor.PickableOff()
         self._observer = self._mapper.AddObserver("StartEvent", lambda *_: callback())
         self._render_observer = renderer.AddObserver("StartEvent", lambda *_: self.install())
-        self.install()
         renderer.AddActor(self.actor)
 
     def set_corners(self, corners: npt.NDArray[np.float64]) -> None:
