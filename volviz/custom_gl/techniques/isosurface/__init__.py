@@ -1,0 +1,30 @@
+"""Isosurfaces by ray casting."""
+
+from __future__ import annotations
+
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.isosurface.settings import DISPLAYS, IsosurfaceSettings
+from volviz.custom_gl.techniques.isosurface.technique import Isosurface
+
+TECHNIQUE = TechniqueInfo(
+    id="isosurface",
+    label="Isosurface",
+    summary="Surfaces of equal value, found along each ray and lit, without a mesh.",
+    settings=IsosurfaceSettings,
+    create=Isosurface,
+    displays=DISPLAYS,
+    classic={
+        "isovalues": (40.0,),
+        "colors": ((0.5, 0.5, 0.5),),
+        "bisections": 4,
+        "step": 1.0,
+        # 0.01 of a cube of 256 voxels
+        "gradient_delta": 2.56,
+        "ambient": 0.0,
+        "diffuse": 1.0,
+        "specular": 1.0,
+        "shininess": 250.0,
+    },
+    uses_transfer_function=False,
+    order=40,
+)

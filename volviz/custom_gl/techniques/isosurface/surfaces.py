@@ -1,0 +1,68 @@
+"""The surfaces that settings ask for, in the order in which the shader wants them. No OpenGL."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from volviz.model.auto_isovalue import auto_isovalue
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from volviz.custom_gl.techniques.isosurface.settings import IsosurfaceSettings
+    from volviz.model.volume import Volume
+
+#: By so much of the data range isovalues are lowered on the GPU: samples that *are* the isovalue count as inside
+#: despite the rounding of float32, so that plateaus at it are not torn. A ten-thousandth of a grey level of 256.
+PLATEAU_MARGIN = 2.0**-21
+
+#: Larger than any fraction of the range: no surface.
+_NEVER = 4.0
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """One to four surfaces, isovalues ascending.
+
+    Attributes
+    ----------
+    isovalues : tuple of floats
+        In data units.
+    colors : tuple of colours
+        Straight RGB.
+    opacities : tuple of floats
+        0..1.
+    """
+
+    isovalues: tuple[float, ...]
+    colors: tuple[tuple[float, float, float], ...]
+    opacities: tuple[float, ...]
+
+    def fractions(self, data_range: tuple[float, float]) -> tuple[float, ...]:
+        """The isovalues as fractions of the data range, filled up to four."""
+        low, high = data_range
+        span = high - low if high > low else 1.0
+        # far beyond the range every isovalue means the same: nothing, or everything, is inside
+        found = [float(np.clip((v - low) / span, -1.0, 2.0)) - PLATEAU_MARGIN for v in self.isovalues]
+        return tuple(found + [_NEVER] * (4 - len(found)))
+
+    def looks(self) -> npt.NDArray[np.float32]:
+        """Straight RGBA, filled up to shape (4, 4), float32; flat, for a uniform array."""
+        rows = np.zeros((4, 4), np.float32)
+        for row, (color, opacity) in enumerate(zip(self.colors, self.opacities, strict=True)):
+            rows[row] = (*color, opacity)
+        return rows.ravel()
+
+
+def shown_surfaces(volume: Volume, settings: IsosurfaceSettings) -> Surfaces:
+    """The surfaces of some settings, sorted by isovalue, each with its own colour and opacity."""
+    isovalues = settings.isovalues if settings.isovalues is not None else (auto_isovalue(volume),)
+    colors = [settings.colors[i % len(settings.colors)] for i in range(len(isovalues))]
+    opacities = [settings.opacities[min(i, len(settings.opacities) - 1)] for i in range(len(isovalues))]
+    order = sorted(range(len(isovalues)), key=lambda i: isovalues[i])
+    return Surfaces(
+        tuple(isovalues[i] for i in order), tuple(colors[i] for i in order), tuple(opacities[i] for i in order)
+    )
