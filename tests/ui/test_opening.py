@@ -32,7 +32,9 @@ def error_boxes(window: MainWindow) -> list[QMessageBox]:
     return [box for box in window.findChildren(QMessageBox) if box.isVisible()]
 
 
-def test_a_dropped_file_is_shown_in_the_middle(bare_window: MainWindow, ball_file: str, wait_for: Wait) -> None:
+def test_a_dropped_file_is_shown_in_the_middle(
+    bare_window: MainWindow, ball_file: str, wait_for: Wait
+) -> None:
     drop(bare_window, ball_file)
     wait_for(lambda: bare_window.documents.volume is not None)
     wait_for(lambda: is_complete(bare_window))
@@ -141,7 +143,9 @@ def test_loading_can_be_cancelled(window: MainWindow, tmp_path: Path, wait_for: 
     assert window.banner.isHidden()
 
 
-def test_the_window_stays_alive_while_a_file_is_read(window: MainWindow, tmp_path: Path, wait_for: Wait) -> None:
+def test_the_window_stays_alive_while_a_file_is_read(
+    window: MainWindow, tmp_path: Path, wait_for: Wait
+) -> None:
     big = tmp_path / "big.npy"
     rng = np.random.default_rng(5)
     np.save(big, rng.integers(0, 4000, (128, 256, 256), np.int16))

@@ -1,4 +1,4 @@
-"""All commands of the window, each made once: menus, tool bar, keys and the page of shortcuts show the same."""
+"""All commands of the window, each made once: menus, tool bar, keys and page of shortcuts show the same."""
 
 from __future__ import annotations
 
@@ -34,25 +34,49 @@ class Actions(QObject):
         files = w.file_commands
         views = w.view_commands
 
-        self.open = self._make(tr("&Open…"), files.open_file, standard.Open, "folder-open", tr("Open a volume from a file"))
+        self.open = self._make(
+            tr("&Open…"), files.open_file, standard.Open, "folder-open", tr("Open a volume from a file")
+        )
         self.open_folder = self._make(
-            tr("Open &DICOM folder…"), files.open_folder, "Ctrl+Shift+O", "folder", tr("Open the series in a folder")
+            tr("Open &DICOM folder…"),
+            files.open_folder,
+            "Ctrl+Shift+O",
+            "folder",
+            tr("Open the series in a folder"),
         )
         self.import_raw = self._make(
-            tr("&Import raw file…"), files.import_raw, "", "file", tr("Open a file of bare values; say how to read it")
+            tr("&Import raw file…"),
+            files.import_raw,
+            "",
+            "file",
+            tr("Open a file of bare values; say how to read it"),
         )
         self.export_picture = self._make(
-            tr("&Export picture…"), files.export_picture, "Ctrl+E", "export", tr("Draw the picture at any size into a file")
+            tr("&Export picture…"),
+            files.export_picture,
+            "Ctrl+E",
+            "export",
+            tr("Draw the picture at any size into a file"),
         )
         self.copy_picture = self._make(
-            tr("&Copy picture"), files.copy_picture, "Ctrl+Shift+C", "copy", tr("Put the viewport on the clipboard")
+            tr("&Copy picture"),
+            files.copy_picture,
+            "Ctrl+Shift+C",
+            "copy",
+            tr("Put the viewport on the clipboard"),
         )
         self.copy_script = self._make(
-            tr("Copy as P&ython"), files.copy_script, "", "code", tr("Put a script that draws this picture on the clipboard")
+            tr("Copy as P&ython"),
+            files.copy_script,
+            "",
+            "code",
+            tr("Put a script that draws this picture on the clipboard"),
         )
         self.quit = self._make(tr("&Quit"), w.close, standard.Quit, "", tr("Close the window"))
 
-        self.undo = self._make(tr("&Undo"), w.documents.undo, standard.Undo, "arrow-u-up-left", tr("Take back the last change"))
+        self.undo = self._make(
+            tr("&Undo"), w.documents.undo, standard.Undo, "arrow-u-up-left", tr("Take back the last change")
+        )
         self.redo = self._make(
             tr("&Redo"), w.documents.redo, ["Ctrl+Y", "Ctrl+Shift+Z"], "arrow-u-up-right", tr("Do it again")
         )
@@ -61,7 +85,11 @@ class Actions(QObject):
         )
 
         self.reset_camera = self._make(
-            tr("Re&set camera"), views.reset_camera, ["Home", "F"], "frame-corners", tr("See the whole volume again")
+            tr("Re&set camera"),
+            views.reset_camera,
+            ["Home", "F"],
+            "frame-corners",
+            tr("See the whole volume again"),
         )
         self.axis_views: list[QAction] = []
         for letter, words in (
@@ -73,7 +101,11 @@ class Actions(QObject):
             ("I", tr("From &inferior (below)")),
         ):
             action = self._make(
-                words, lambda key=letter: views.show_axis_view(key), letter, "", tr("Look along an axis of the world")
+                words,
+                lambda key=letter: views.show_axis_view(key),
+                letter,
+                "",
+                tr("Look along an axis of the world"),
             )
             self.axis_views.append(action)
         self.parallel = self._make(
@@ -86,12 +118,23 @@ class Actions(QObject):
             for name, words, keys, icon, tooltip in (
                 ("box", tr("&Box"), "B", "bounding-box", tr("Outline of the volume")),
                 ("axes", tr("A&xes with units"), "X", "ruler", tr("Axes around the volume, in world units")),
-                ("marker", tr("&Orientation marker"), "M", "compass", tr("Directions of the world, in the corner")),
+                (
+                    "marker",
+                    tr("&Orientation marker"),
+                    "M",
+                    "compass",
+                    tr("Directions of the world, in the corner"),
+                ),
                 ("bar", tr("&Colour bar"), "C", "", tr("Colours of the values")),
             )
         }
         self.full_screen = self._make(
-            tr("&Full screen"), w.set_full_screen, standard.FullScreen, "corners-out", tr("Use the whole screen"), checkable=True
+            tr("&Full screen"),
+            w.set_full_screen,
+            standard.FullScreen,
+            "corners-out",
+            tr("Use the whole screen"),
+            checkable=True,
         )
         if self.full_screen.shortcut().isEmpty():
             self.full_screen.setShortcut("F11")
@@ -114,19 +157,37 @@ class Actions(QObject):
             group.addAction(action)
             self.techniques.append(action)
         self.finer = self._make(
-            tr("&More slices, smaller steps"), lambda: views.refine(1), ["+", "="], "", tr("Sample the volume more finely")
+            tr("&More slices, smaller steps"),
+            lambda: views.refine(1),
+            ["+", "="],
+            "",
+            tr("Sample the volume more finely"),
         )
         self.coarser = self._make(
-            tr("&Fewer slices, larger steps"), lambda: views.refine(-1), "-", "", tr("Sample the volume more coarsely")
+            tr("&Fewer slices, larger steps"),
+            lambda: views.refine(-1),
+            "-",
+            "",
+            tr("Sample the volume more coarsely"),
         )
         self.machinery = self._make(
-            tr("&View the machinery"), views.toggle_machinery, "W", "", tr("Wireframe, or what else the technique can show")
+            tr("&View the machinery"),
+            views.toggle_machinery,
+            "W",
+            "",
+            tr("Wireframe, or what else the technique can show"),
         )
         self.reset_settings = self._make(
-            tr("&Reset settings"), views.reset_settings, "", "", tr("All settings of this technique back to their defaults")
+            tr("&Reset settings"),
+            views.reset_settings,
+            "",
+            "",
+            tr("All settings of this technique back to their defaults"),
         )
 
-        self.shortcuts = self._make(tr("&Shortcuts"), w.show_shortcuts, ["?", "F1"], "keyboard", tr("Keys and mouse"))
+        self.shortcuts = self._make(
+            tr("&Shortcuts"), w.show_shortcuts, ["?", "F1"], "keyboard", tr("Keys and mouse")
+        )
         self.about = self._make(tr("&About VolViz"), w.show_about, "", "info", tr("Version and licence"))
 
     def groups(self) -> list[tuple[str, list[QAction]]]:
@@ -137,7 +198,13 @@ class Actions(QObject):
             (tr("Edit"), [self.undo, self.redo, self.preferences]),
             (
                 tr("View"),
-                [self.reset_camera, *self.axis_views, self.parallel, *self.scenery.values(), self.full_screen],
+                [
+                    self.reset_camera,
+                    *self.axis_views,
+                    self.parallel,
+                    *self.scenery.values(),
+                    self.full_screen,
+                ],
             ),
             (tr("Technique"), [*self.techniques, self.finer, self.coarser, self.machinery]),
             (tr("Help"), [self.shortcuts]),

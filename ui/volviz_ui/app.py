@@ -28,10 +28,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     if any(argument in ("-h", "--help") for argument in arguments):
-        print(USAGE)  # noqa: T201
+        print(USAGE)
         return 0
     if len(arguments) > 1:
-        print("volviz: one file at a time; see volviz --help", file=sys.stderr)  # noqa: T201
+        print("volviz: one file at a time; see volviz --help", file=sys.stderr)
         return 2
     prepare()
     # everything below needs the environment above

@@ -15,8 +15,8 @@ from volviz_ui.app_icon import app_icon
 def prepare_opengl() -> None:
     """Say which OpenGL all windows use; before the application object exists.
 
-    Contexts share, or a floating dock would lose its picture. The format is the one that pyvistaqt sets later by
-    itself: set now, the shared context has it too.
+    Contexts share, or a floating dock would lose its picture. The format is the one that pyvistaqt sets later
+    by itself: set now, the shared context has it too.
     """
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     wanted = QSurfaceFormat()
@@ -33,9 +33,9 @@ def prepare_opengl() -> None:
 
 
 def show_message(_kind: QtMsgType, _context: QMessageLogContext, text: str) -> None:
-    """Pass Qt's messages on to stderr, but for one that pyvistaqt causes with every viewport and that means nothing."""
+    """Pass Qt's messages on to stderr, but for one that every viewport causes and that means nothing."""
     if not text.startswith("Setting a new default format"):
-        print(text, file=sys.stderr)  # noqa: T201
+        print(text, file=sys.stderr)
 
 
 def make_application() -> QApplication:

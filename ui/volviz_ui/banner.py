@@ -13,7 +13,7 @@ WIDTH = 460
 
 
 class Banner(QFrame):
-    """One line with an optional progress bar and one or two buttons, at the top of the widget that it covers."""
+    """One line with an optional progress bar and one or two buttons, at the top of what it covers."""
 
     cancelled = Signal()
     details_wanted = Signal()
@@ -88,7 +88,9 @@ class Banner(QFrame):
         self.details.setVisible(not self._is_progress)
         self.stop.setText(self.tr("Cancel") if self._is_progress else self.tr("Dismiss"))
         self.stop.setToolTip(
-            self.tr("Stop loading; what is shown stays") if self._is_progress else self.tr("Hide this message")
+            self.tr("Stop loading; what is shown stays")
+            if self._is_progress
+            else self.tr("Hide this message")
         )
         self.show()
         self._place()

@@ -1,7 +1,7 @@
 """The two ways in which a widget and the store are tied together; there is no third.
 
-`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both hold the
-widget weakly: a closed panel disappears although the store lives on.
+`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both hold
+the widget weakly: a closed panel disappears although the store lives on.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def show_value(
     read : callable
         Takes a scene, gives the value. Must not refer to the widget, or the widget stays alive.
     apply : bound method of a QObject
-        Takes the value; the object's signals are blocked meanwhile, so that showing a value never sends it back.
+        Takes the value; the object's signals are blocked meanwhile: showing a value never sends it back.
     now : bool
         Also call it at once with the present value.
     """
@@ -85,4 +85,6 @@ def send_value(
         Changes between two calls of `Store.end_gesture` are one step of the history.
     """
     # the connection belongs to the widget and ends with it; nothing in it refers to the widget
-    signal.connect(lambda value: store.update(lambda scene: write(scene, value), label=label, gesture=gesture))
+    signal.connect(
+        lambda value: store.update(lambda scene: write(scene, value), label=label, gesture=gesture)
+    )

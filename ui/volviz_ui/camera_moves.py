@@ -25,7 +25,7 @@ AXIS_VIEWS: dict[str, tuple[Vector, Vector]] = {
     "S": ((0.0, 0.0, -1.0), (0.0, -1.0, 0.0)),
     "I": ((0.0, 0.0, 1.0), (0.0, -1.0, 0.0)),
 }
-"""Viewing direction and up vector for a look from anterior, posterior, left, right, superior, inferior (LPS world)."""
+"""Viewing direction and up vector for a look from each side of a patient in the LPS world."""
 
 
 def rotated(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camera:
@@ -43,7 +43,7 @@ def zoomed(camera: Camera, factor: float) -> Camera:
 
 
 def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camera:
-    """The camera after the scene was pushed by (dx right, dy down) pixels; what lies at the focal point follows."""
+    """The camera after the scene was pushed by (dx right, dy down) pixels; the focal point follows."""
     per_pixel = 2 * camera.scale / max(size[1], 1)
     right, up = frame(camera)
     move = per_pixel * (dy * up - dx * right)
@@ -63,7 +63,7 @@ def axis_camera(volume: Volume, letter: str, aspect: float) -> Camera:
 def light_turned(
     position: Vector, center: Vector, camera: Camera, dx: float, dy: float, size: tuple[int, int]
 ) -> Vector:
-    """The light after a drag: it turns around the volume as if it hung before the eye, at the same distance."""
+    """The light after a drag: it turns around the volume as if it hung before the eye, keeping its distance."""
     side = max(min(size), 1)
     right, up = frame(camera)
     offset = np.subtract(position, center)

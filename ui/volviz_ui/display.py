@@ -229,9 +229,7 @@ class Display(QObject):
         if volume is None:
             return
         camera, size = self._viewport.view_camera, (self._viewport.width(), self._viewport.height())
-        self._move_light(
-            lambda position: light_turned(position, volume.center, camera, dx, dy, size)
-        )
+        self._move_light(lambda position: light_turned(position, volume.center, camera, dx, dy, size))
 
     def _on_light_wheeled(self, factor: float) -> None:
         volume = self._documents.volume

@@ -1,4 +1,4 @@
-"""Opening volumes: on a worker, with progress and cancel; and finding them again when the history goes back."""
+"""Opening volumes on a worker, with progress and cancel; finding them again when the history goes back."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Opened:
 class Documents(QObject):
     """Keeps the volume of the scene at hand.
 
-    `volume_changed` carries the volume that belongs to the scene; until it is there (a file is being read again
-    after undo) the former one stays.
+    `volume_changed` carries the volume that belongs to the scene; until it is there (a file is being read
+    again after undo) the former one stays.
     """
 
     volume_changed = Signal(object)

@@ -83,7 +83,11 @@ class FileCommands(QObject):
 
     def open_dropped(self, paths: list[str]) -> None:
         """Open what was dropped: one file or folder; of several files of one folder, the folder."""
-        if len(paths) > 1 and len({str(Path(path).parent) for path in paths}) == 1 and Path(paths[0]).is_file():
+        if (
+            len(paths) > 1
+            and len({str(Path(path).parent) for path in paths}) == 1
+            and Path(paths[0]).is_file()
+        ):
             suffixes = {Path(path).suffix.lower() for path in paths}
             if suffixes <= {".dcm", ".ima", ""}:
                 self.open_path(str(Path(paths[0]).parent))
@@ -105,7 +109,9 @@ class FileCommands(QObject):
 
     def _ask_where(self, size: tuple[int, int], *, transparent: bool) -> None:
         start = str(Path(self._window.preferences.folder) / "volviz.png")
-        path, _filter = QFileDialog.getSaveFileName(self._window, self.tr("Save the picture"), start, PICTURES)
+        path, _filter = QFileDialog.getSaveFileName(
+            self._window, self.tr("Save the picture"), start, PICTURES
+        )
         if path:
             self.save_picture(path, size, transparent=transparent)
 

@@ -142,9 +142,13 @@ class MainWindow(QMainWindow):
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
         show_value(self.store, lambda scene: (scene.light, scene.view.technique), self._show_light)
         show_value(self.store, lambda scene: scene.background, self._show_background)
-        show_value(self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function)
         show_value(
-            self.store, lambda scene: bool(scene.view.camera and scene.view.camera.parallel), self._show_projection
+            self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function
+        )
+        show_value(
+            self.store,
+            lambda scene: bool(scene.view.camera and scene.view.camera.parallel),
+            self._show_projection,
         )
         self._show_history()
 
@@ -358,5 +362,3 @@ class MainWindow(QMainWindow):
         self.documents.close()
         self.viewport.close()
         super().closeEvent(event)
-
-

@@ -71,7 +71,13 @@ class Scenery:
             lines = np.array([(2, a, b) for a, b in _EDGES]).ravel()
             mesh = pv.PolyData(np.asarray(self._volume.corners, float), lines=lines)
             self._box = self._viewport.add_mesh(
-                mesh, color="#8b98a5", line_width=1.0, lighting=False, reset_camera=False, render=False, pickable=False
+                mesh,
+                color="#8b98a5",
+                line_width=1.0,
+                lighting=False,
+                reset_camera=False,
+                render=False,
+                pickable=False,
             )
 
     def _show_axes(self, on: bool) -> None:

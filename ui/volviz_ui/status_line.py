@@ -18,7 +18,9 @@ class StatusLine(QStatusBar):
         super().__init__(parent)
         self.setSizeGripEnabled(False)
         self._technique = ""
-        self.pointer = self._field("(0000, 0000, 0000)  −00000.00 unit", self.tr("Voxel under the pointer and its value"))
+        self.pointer = self._field(
+            "(0000, 0000, 0000)  −00000.00 unit", self.tr("Voxel under the pointer and its value")
+        )
         self.drawing = self._field(
             self.tr("Marching tetrahedra, full quality 000 %"), self.tr("Technique, and resolution now shown")
         )
@@ -70,4 +72,3 @@ class StatusLine(QStatusBar):
             label.setMinimumWidth(self.fontMetrics().horizontalAdvance(widest) + 16)
             label.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         return label
-

@@ -1,4 +1,4 @@
-"""How the program looks: Qt's Fusion style with a light and a dark palette of our own and one accent colour."""
+"""How the program looks: Qt's Fusion style with palettes of our own, light and dark, and one accent colour."""
 
 from __future__ import annotations
 
@@ -123,7 +123,9 @@ def style_sheet(colors: Colors) -> str:
     QToolBar QToolButton:pressed, QToolBar QToolButton:checked {{ background: {c.border}; }}
     QToolBar QToolButton:focus {{ border-color: {c.accent}; }}
     QToolBar QToolButton[popupMode="2"] {{ padding-right: 16px; }}
-    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: center right; right: 3px; }}
+    QToolBar QToolButton::menu-indicator {{
+        subcontrol-origin: padding; subcontrol-position: center right; right: 3px;
+    }}
     QRangeSlider {{ qproperty-barColor: {c.accent}; }}
     QStatusBar {{ background: {c.window}; color: {c.quiet}; }}
     QStatusBar::item {{ border: none; }}
@@ -150,7 +152,9 @@ def style_sheet(colors: Colors) -> str:
     QToolButton#reset_button {{ border: none; border-radius: 4px; padding: 1px; }}
     QToolButton#reset_button:hover {{ background: {c.border}; }}
     QToolButton#reset_button:focus {{ background: {c.border}; }}
-    QToolTip {{ background: {c.tooltip}; color: {c.tooltip_text}; border: 1px solid {c.border}; padding: 4px 6px; }}
+    QToolTip {{
+        background: {c.tooltip}; color: {c.tooltip_text}; border: 1px solid {c.border}; padding: 4px 6px;
+    }}
     QFrame#banner {{ background: {c.panel}; border: 1px solid {c.border}; border-radius: 6px; }}
     """
 

@@ -60,15 +60,13 @@ class ViewCommands(QObject):
 
     def set_background(self, color: tuple[float, float, float] | None, _checked: bool = False) -> None:
         """One colour behind the volume, or the usual gradient."""
-        self._window.store.update(
-            lambda scene: replace(scene, background=color), label=self.tr("Background")
-        )
+        self._window.store.update(lambda scene: replace(scene, background=color), label=self.tr("Background"))
 
     def refine(self, direction: int) -> None:
         """More (1) or fewer (-1) slices, or smaller or larger steps."""
         parameters = {p.name: p for p in current_technique(self._window.store.scene).parameters}
         settings = current_settings(self._window.store.scene)
-        if "slices" in parameters and getattr(settings, "slices") is not None:
+        if "slices" in parameters and settings.slices is not None:
             self._scale(parameters["slices"], FACTOR**direction)
         elif "step" in parameters:
             self._scale(parameters["step"], FACTOR**-direction)

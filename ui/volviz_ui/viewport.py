@@ -29,8 +29,8 @@ class Drag(Enum):
 class Viewport(QtInteractor):
     """Shows the scene; turns mouse events into moves of the camera and of the light.
 
-    VTK's interactor gets no event at all: neither its styles nor PyVista's keys can interfere. The camera belongs
-    to VTK; `camera_committed` is emitted once when a move is over.
+    VTK's interactor gets no event at all: neither its styles nor PyVista's keys can interfere. The camera
+    belongs to VTK; `camera_committed` is emitted once when a move is over.
     """
 
     gesture_started = Signal()
@@ -176,7 +176,10 @@ class Viewport(QtInteractor):
 
     def event(self, event: QEvent) -> bool:
         """Two fingers on a touchpad zoom."""
-        if isinstance(event, QNativeGestureEvent) and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
+        if (
+            isinstance(event, QNativeGestureEvent)
+            and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture
+        ):
             self._begin_move()
             self._wheel_rest.start()
             self.show_camera(zoomed(self.view_camera, 1 + event.value()))

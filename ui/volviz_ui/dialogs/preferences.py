@@ -19,7 +19,8 @@ class PreferencesDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle(self.tr("Preferences"))
         self.theme = self._list(
-            (("system", self.tr("As the system")), ("light", self.tr("Light")), ("dark", self.tr("Dark"))), theme
+            (("system", self.tr("As the system")), ("light", self.tr("Light")), ("dark", self.tr("Dark"))),
+            theme,
         )
         self.theme.setToolTip(self.tr("Colours of the window"))
         self.quality = self._list(quality_choices(self), quality)

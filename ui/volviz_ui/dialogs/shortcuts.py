@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QVBoxLayout,
+    QWidget,
+)
 
 from volviz_ui.panels.panel import quiet_label
 
@@ -71,4 +79,6 @@ class ShortcutsDialog(QDialog):
 
 
 def _keys(action: QAction) -> str:
-    return ",  ".join(sequence.toString(sequence.SequenceFormat.NativeText) for sequence in action.shortcuts())
+    return ",  ".join(
+        sequence.toString(sequence.SequenceFormat.NativeText) for sequence in action.shortcuts()
+    )

@@ -1,4 +1,4 @@
-"""What every editor of a setting is: a widget with a value, a signal, and the beginning and end of a gesture."""
+"""What every editor of a setting is: a widget with a value, a signal, beginning and end of a gesture."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from volviz.model.parameters import Parameter
 class Editor(QWidget):
     """Shows and changes one value.
 
-    `value_changed` is emitted when the *user* has changed it, never by `set_value`. Between `gesture_started` and
-    `gesture_finished` a slider or the like is being dragged.
+    `value_changed` is emitted when the *user* has changed it, never by `set_value`. Between `gesture_started`
+    and `gesture_finished` a slider or the like is being dragged.
     """
 
     value_changed = Signal(object)

@@ -24,7 +24,7 @@ from volviz_ui.editors.number import NumberField
 
 
 class CalmComboBox(QComboBox):
-    """A list that the wheel changes only when it has the focus, and that may be narrower than its longest entry."""
+    """A list that the wheel changes only with the focus, and that may be narrower than its longest entry."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

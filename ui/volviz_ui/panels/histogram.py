@@ -50,6 +50,7 @@ class HistogramView(QWidget):
         self.setAccessibleName(self.tr("Histogram"))
 
     def sizeHint(self) -> QSize:
+        """Low and wide."""
         return QSize(200, 64)
 
     def set_volume(self, volume: Volume | None) -> None:
@@ -75,7 +76,9 @@ class HistogramView(QWidget):
         part = min(max(event.position().x() / max(self.width(), 1), 0.0), 1.0)
         low, high = self._volume.range
         index = min(int(part * BINS), BINS - 1)
-        words = self.tr("%1: %2 voxels").replace("%1", f"{low + part * (high - low):.5g} {self._volume.unit}".strip())
+        words = self.tr("%1: %2 voxels").replace(
+            "%1", f"{low + part * (high - low):.5g} {self._volume.unit}".strip()
+        )
         words = words.replace("%2", f"{int(self.counts[index]):,}".replace(",", " "))
         QToolTip.showText(event.globalPosition().toPoint(), words, self)
 

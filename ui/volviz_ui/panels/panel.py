@@ -97,9 +97,15 @@ class Section(QWidget):
         self.folded.emit(self.title, open_)
 
     def add_row(
-        self, label: str, widget: QWidget, *, tail: QWidget | None = None, wide: bool = False, tooltip: str = ""
+        self,
+        label: str,
+        widget: QWidget,
+        *,
+        tail: QWidget | None = None,
+        wide: bool = False,
+        tooltip: str = "",
     ) -> QLabel:
-        """One line: label, widget, and a small button at the end. A wide widget takes a line of its own below."""
+        """One line: label, widget, small button at the end. A wide widget takes a line of its own below."""
         words = QLabel(label, self.content)
         words.setBuddy(widget)
         words.setToolTip(tooltip or widget.toolTip())

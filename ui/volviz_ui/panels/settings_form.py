@@ -121,4 +121,6 @@ def in_data_units(parameter: Parameter, volume: Volume | None) -> Parameter:
     if volume is None or parameter.kind not in ("float", "floats") or parameter.unit != "data":
         return parameter
     low, high = volume.range
-    return dataclasses.replace(parameter, unit=volume.unit, soft_minimum=low, soft_maximum=max(high, low + 1e-9))
+    return dataclasses.replace(
+        parameter, unit=volume.unit, soft_minimum=low, soft_maximum=max(high, low + 1e-9)
+    )

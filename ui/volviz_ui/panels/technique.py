@@ -130,11 +130,10 @@ def reset_settings(store: Store, label: str) -> None:
 
 def change_setting(store: Store, parameter: Parameter, value: Any, *, gesture: Any = None) -> None:
     """Give a setting of the current technique another value."""
+
     def change(scene: Scene) -> Scene:
         info = current_technique(scene)
-        settings = dataclasses.replace(
-            current_settings(scene), **{parameter.name: parameter.checked(value)}
-        )
+        settings = dataclasses.replace(current_settings(scene), **{parameter.name: parameter.checked(value)})
         return scene.with_view(settings=scene.view.with_settings(info.id, settings).settings)
 
     store.update(change, label=parameter.label, gesture=gesture)

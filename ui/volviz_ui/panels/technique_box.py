@@ -81,7 +81,7 @@ class TechniqueBox(CalmComboBox):
 
 
 def drawing_techniques() -> list[TechniqueInfo]:
-    """The techniques that draw in the viewport, in the order of the list; those of VTK's own are for comparison."""
+    """The techniques that draw in the viewport, in the order of the list; VTK's own are for comparison."""
     return [info for info in techniques().values() if info.kind == "image"]
 
 
@@ -101,5 +101,3 @@ def current_settings(scene: Scene) -> Any:
     """Its settings."""
     info = current_technique(scene)
     return scene.view.settings_for(info.id, info.settings)
-
-

@@ -1,0 +1,201 @@
+"""Commands of the menus: export, copy, script, keys, preferences, shortcuts, what is remembered."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLabel, QMessageBox
+
+from tests.ui.conftest import foreground, is_complete, picture
+from volviz_ui.dialogs.export_picture import ExportPictureDialog
+from volviz_ui.dialogs.raw_import import hints_from_name, is_raw
+from volviz_ui.dialogs.shortcuts import ShortcutsDialog
+from volviz_ui.file_commands import drawn_picture
+from volviz_ui.main_window import MainWindow
+from volviz_ui.panels.technique_box import choose_technique, current_settings, drawing_techniques
+from volviz_ui.preferences import Preferences
+from volviz_ui.script import script_of
+from volviz_ui.theme import Theme
+
+Wait = Callable[..., None]
+
+
+def test_an_exported_picture_has_the_size_and_shows_what_the_viewport_shows(
+    window: MainWindow, tmp_path: Path
+) -> None:
+    shown = picture(window)
+    height, width = shown.shape[:2]
+    path = tmp_path / "out.png"
+    assert window.file_commands.save_picture(str(path), (width, height), transparent=False)
+    saved = np.asarray(Image.open(path), float)
+    assert saved.shape == (height, width, 3)
+    marker = np.zeros((height, width), bool)
+    marker[int(0.75 * height) :, : int(0.2 * width)] = True
+    difference = np.abs(saved - shown).max(axis=2)[~marker]
+    assert np.percentile(difference, 99) <= 4
+
+
+def test_a_transparent_picture_has_alpha_only_where_the_volume_is(window: MainWindow, tmp_path: Path) -> None:
+    path = tmp_path / "cut_out.png"
+    assert window.file_commands.save_picture(str(path), (300, 200), transparent=True)
+    saved = np.asarray(Image.open(path))
+    assert saved.shape == (200, 300, 4)
+    assert saved[0, 0, 3] == 0
+    assert saved[100, 150, 3] > 30
+
+
+def test_a_picture_that_cannot_be_saved_is_told_in_one_sentence(window: MainWindow, tmp_path: Path) -> None:
+    assert not window.file_commands.save_picture(
+        str(tmp_path / "no" / "folder.png"), (40, 30), transparent=False
+    )
+    (box,) = [b for b in window.findChildren(QMessageBox) if b.isVisible()]
+    assert "\n" not in box.text()
+    box.close()
+
+
+def test_the_picture_on_the_clipboard_is_the_viewport(window: MainWindow) -> None:
+    window.actions_.copy_picture.trigger()
+    image = QApplication.clipboard().image()
+    assert (image.width(), image.height()) == window.viewport.pixel_size
+    shown = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+    assert image.convertToFormat(QImage.Format.Format_RGB888) == shown
+
+
+def test_the_copied_script_draws_the_same_picture(window: MainWindow, tmp_path: Path) -> None:
+    window.view_commands.show_axis_view("L")
+    window.view_commands.refine(1)
+    window.data_panel.planes.add_plane((0.0, 1.0, 0.0))
+    window.actions_.copy_script.trigger()
+    script = QApplication.clipboard().text()
+    assert script == script_of(window.store.scene, window.viewport.pixel_size)
+    size = window.viewport.pixel_size
+    expected = drawn_picture(window.store.scene, window.documents.volume, size, transparent=True)
+    out = tmp_path / "picture.npy"
+    code = script + f"\nimport numpy\nnumpy.save({str(out)!r}, picture)\n"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+    drawn = np.load(out)
+    assert drawn.shape == expected.shape
+    assert np.abs(drawn.astype(int) - expected.astype(int)).max() <= 3
+
+
+def test_keys_choose_techniques(window: MainWindow) -> None:
+    for number, info in enumerate(drawing_techniques()[:9], start=1):
+        QTest.keyClick(window, str(number))
+        assert window.store.scene.view.technique == info.id
+
+
+def test_plus_and_minus_change_the_sampling(window: MainWindow) -> None:
+    window.viewport.setFocus()
+    before = current_settings(window.store.scene).step
+    QTest.keyClick(window.viewport, Qt.Key.Key_Plus)
+    finer = current_settings(window.store.scene).step
+    assert finer == pytest.approx(before / 1.25, rel=1e-3)
+    QTest.keyClick(window.viewport, Qt.Key.Key_Minus)
+    assert current_settings(window.store.scene).step == pytest.approx(before, rel=1e-3)
+
+
+def test_w_shows_the_machinery_where_there_is_one(window: MainWindow, wait_for: Wait) -> None:
+    for info in drawing_techniques():
+        choose_technique(window.store, info.id)
+        names = [p.name for p in info.parameters]
+        if "wireframe" not in names and "display" not in names:
+            continue
+        before = current_settings(window.store.scene)
+        QTest.keyClick(window, "w")
+        assert current_settings(window.store.scene) != before
+        QTest.keyClick(window, "w")
+        assert current_settings(window.store.scene) == before
+
+
+def test_the_page_of_shortcuts_names_every_key(window: MainWindow) -> None:
+    QTest.keyClick(window, "?")
+    (dialog,) = window.findChildren(ShortcutsDialog)
+    words = " ".join(label.text() for label in dialog.findChildren(QLabel))
+    for key in ("Ctrl+O", "Home", "F11", "Right drag", "W"):
+        assert key in words
+    dialog.reject()
+
+
+def test_the_export_dialog_keeps_the_proportions(window: MainWindow) -> None:
+    dialog = ExportPictureDialog((400, 300), window)
+    dialog.pixel_width.setValue(800)
+    assert dialog.picture_size == (800, 600)
+    dialog.keep.setChecked(False)
+    dialog.pixel_height.setValue(100)
+    assert dialog.picture_size == (800, 100)
+    dialog.deleteLater()
+
+
+def test_the_theme_can_be_switched_and_icons_follow(window: MainWindow, theme: Theme) -> None:
+    dark = window.grab().toImage().pixelColor(5, 5).lightness()
+    icon = window.actions_.open.icon().cacheKey()
+    dialog = window.show_preferences()
+    dialog.theme.setCurrentIndex(dialog.theme.findData("light"))
+    QTest.qWait(50)
+    light = window.grab().toImage().pixelColor(5, 5).lightness()
+    assert light > dark + 100
+    assert window.actions_.open.icon().cacheKey() != icon
+    assert window.preferences.theme == "light"
+    dialog.theme.setCurrentIndex(dialog.theme.findData("dark"))
+    dialog.reject()
+
+
+def test_the_quality_reaches_the_host_and_is_remembered(window: MainWindow) -> None:
+    window.set_quality("full")
+    assert window.display.handle.quality == "full"
+    assert window.preferences.quality == "full"
+    assert window.menus.quality.currentData() == "full"
+
+
+def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences: Preferences) -> None:
+    first = MainWindow(theme, preferences)
+    first.resize(1000, 700)
+    first.show()
+    QTest.qWait(100)
+    first.docks[0].hide()
+    first.close()
+    second = MainWindow(theme, preferences)
+    second.show()
+    QTest.qWait(100)
+    assert not second.docks[0].isVisible()
+    assert second.width() == 1000
+    second.reset_layout()
+    assert second.docks[0].isVisible()
+    second.close()
+    for window in (first, second):
+        window.deleteLater()
+    del first, second, window
+
+
+def test_full_screen_and_back_by_escape(window: MainWindow) -> None:
+    window.actions_.full_screen.trigger()
+    assert window.isFullScreen()
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert not window.isFullScreen()
+    assert not window.actions_.full_screen.isChecked()
+
+
+def test_the_background_is_a_step_of_the_history(window: MainWindow, wait_for: Wait) -> None:
+    window.view_commands.set_background((1.0, 1.0, 1.0))
+    wait_for(lambda: is_complete(window))
+    assert picture(window)[3, 3].min() == 255
+    window.actions_.undo.trigger()
+    QTest.qWait(50)
+    assert picture(window)[3, 3].max() < 120
+    assert foreground(window).mean() > 0.02
+
+
+def test_raw_names_tell_what_they_tell() -> None:
+    assert is_raw("a/head_256x256x225_uint8.RAW")
+    assert is_raw("male_128x256x256_uint8.raw.gz")
+    assert hints_from_name("head_256x256x225_uint8.raw") == {"dims": (256, 256, 225), "dtype": "uint8"}
+    assert hints_from_name("head.raw") == {}

@@ -1,0 +1,216 @@
+"""The panels: settings, light, crop box, clip planes; widget to store, store to widget, one step a drag."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QWidget
+
+from tests.ui.conftest import drag, foreground, is_complete, picture
+from volviz_ui.editors.number import STEPS, NumberEditor
+from volviz_ui.main_window import MainWindow
+from volviz_ui.panels.technique_box import current_settings, drawing_techniques
+
+Wait = Callable[..., None]
+
+
+def slider_drag(slider: QAbstractSlider, pixels: int) -> None:
+    """Drag the handle of a slider."""
+    part = slider.minimum() + (slider.value() - slider.minimum()) / (slider.maximum() - slider.minimum())
+    x = 6 + part * (slider.width() - 12)
+    start = QPoint(round(x), slider.height() // 2)
+    drag(slider, start, start + QPoint(pixels, 0))
+
+
+def editor(window: MainWindow, name: str) -> NumberEditor:
+    form = window.technique_panel.form
+    assert form is not None
+    found = form.editors[name]
+    assert isinstance(found, NumberEditor)
+    return found
+
+
+def test_a_drag_of_a_slider_is_one_step_and_reaches_the_picture(window: MainWindow, wait_for: Wait) -> None:
+    before = picture(window)
+    slider = editor(window, "density_threshold").control.slider
+    slider_drag(slider, 30)
+    value = current_settings(window.store.scene).density_threshold
+    assert value > 0.2
+    assert window.store.undo_label == "Density threshold"
+    assert window.display.handle.settings.density_threshold == value
+    window.actions_.undo.trigger()
+    assert current_settings(window.store.scene).density_threshold == 0.0
+    assert window.store.undo_label is None
+    assert slider.value() == 0
+    wait_for(lambda: is_complete(window))
+    assert np.abs(picture(window) - before).max() <= 2
+
+
+def test_no_picture_is_completed_while_a_slider_is_held(window: MainWindow, wait_for: Wait) -> None:
+    slider = editor(window, "density_threshold").control.slider
+    QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(6, slider.height() // 2))
+    assert window.display._gestures >= 1
+    QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(6, slider.height() // 2))
+    wait_for(lambda: window.display._gestures == 0)
+
+
+def test_a_typed_number_beyond_the_slider_is_taken(window: MainWindow) -> None:
+    field = editor(window, "step").control.field
+    field.setFocus()
+    field.selectAll()
+    QTest.keyClicks(field, "7.5")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    assert current_settings(window.store.scene).step == 7.5
+    assert editor(window, "step").control.slider.value() == STEPS
+
+
+def test_passing_through_a_field_does_not_round_its_value(window: MainWindow) -> None:
+    field = editor(window, "early_termination").control.field
+    before = current_settings(window.store.scene).early_termination
+    field.setFocus()
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    QTest.keyClick(field, Qt.Key.Key_Tab)
+    assert current_settings(window.store.scene).early_termination == before
+    assert window.store.undo_label is None
+
+
+def test_a_setting_that_does_not_act_is_greyed(window: MainWindow) -> None:
+    form = window.technique_panel.form
+    assert form is not None
+    assert not form.editors["ambient"].isEnabled()
+    form.editors["shading"].control.click()
+    assert current_settings(window.store.scene).shading
+    assert form.editors["ambient"].isEnabled()
+
+
+def test_the_small_button_brings_the_default_back(window: MainWindow) -> None:
+    form = window.technique_panel.form
+    assert form is not None
+    editor(window, "step").control.field.setValue(2.0)
+    assert current_settings(window.store.scene).step == 2.0
+    _words, reset = form._rows["step"]
+    assert reset.isVisible()
+    reset.click()
+    assert current_settings(window.store.scene).step == 0.5
+    assert not reset.isVisible()
+
+
+def test_two_clicks_on_a_check_box_are_two_steps(window: MainWindow) -> None:
+    form = window.technique_panel.form
+    assert form is not None
+    form.editors["shading"].control.click()
+    form.editors["shading"].control.click()
+    window.actions_.undo.trigger()
+    assert current_settings(window.store.scene).shading
+    window.actions_.undo.trigger()
+    assert not current_settings(window.store.scene).shading
+
+
+@pytest.mark.parametrize("info", drawing_techniques(), ids=lambda info: info.id)
+def test_the_panel_of_every_technique_builds_and_shows_its_settings(window: MainWindow, info: object) -> None:
+    number = [i.id for i in drawing_techniques()].index(info.id) + 1
+    if number <= 9:
+        QTest.keyClick(window, str(number))
+    assert window.store.scene.view.technique == info.id
+    form = window.technique_panel.form
+    assert form is not None
+    assert form.info is info
+    assert set(form.editors) == {p.name for p in info.parameters}
+    assert window.menus.technique.currentData() == info.id
+    QTest.qWait(30)
+    assert window.display.handle.error is None
+
+
+def test_the_crop_box_cuts_the_picture_and_whole_volume_brings_it_back(
+    window: MainWindow, wait_for: Wait
+) -> None:
+    window.view_commands.show_axis_view("A")
+    wait_for(lambda: is_complete(window))
+    whole = foreground(window)
+    window.data_panel.crop.fields[0][1].setValue(15)
+    assert window.store.scene.clipping.crop == (0, 15, 0, 31, 0, 31)
+    wait_for(lambda: is_complete(window))
+    cut = foreground(window)
+    half = whole.shape[1] // 2
+    # seen from the front, larger x (the patient's left) lies on the right of the picture
+    assert cut[:, half + 6 :].sum() < 0.05 * whole[:, half + 6 :].sum()
+    assert cut[:, : half - 6].sum() == pytest.approx(whole[:, : half - 6].sum(), rel=0.05)
+    window.data_panel.crop.whole.click()
+    assert window.store.scene.clipping.crop is None
+
+
+def test_a_clip_plane_can_be_added_moved_turned_and_removed(window: MainWindow, wait_for: Wait) -> None:
+    panel = window.data_panel.planes
+    panel.add_plane((1.0, 0.0, 0.0))
+    assert len(panel.rows) == 1
+    ((origin, _normal),) = window.store.scene.clipping.planes
+    assert origin == pytest.approx((15.5, 15.5, 15.5))
+    panel.rows[0].position.field.setValue(5.0)
+    assert window.store.scene.clipping.planes[0][0] == pytest.approx((20.5, 15.5, 15.5))
+    row = panel.rows[0]
+    row.turned.emit()
+    assert window.store.scene.clipping.planes[0][1] == (-1.0, -0.0, -0.0)
+    panel.rows[0].removed.emit()
+    assert window.store.scene.clipping.planes == ()
+    assert panel.rows == []
+    for _ in range(4):
+        window.actions_.undo.trigger()
+    assert window.store.scene.clipping.planes == ()
+    assert window.store.undo_label is None
+
+
+def test_at_most_six_planes(window: MainWindow) -> None:
+    for _ in range(6):
+        window.data_panel.planes.add_plane((0.0, 1.0, 0.0))
+    assert not window.data_panel.planes.add.isEnabled()
+    assert len(window.store.scene.clipping.planes) == 6
+
+
+def test_the_light_can_be_placed_by_numbers(window: MainWindow) -> None:
+    section = window.technique_panel.light
+    section.editors["headlight"].control.click()
+    assert not window.store.scene.light.headlight
+    place = section.editors["position"]
+    place.check.click()
+    place.inner.fields[2].setValue(123.0)
+    assert window.store.scene.light.position[2] == 123.0
+    assert window.display.handle.light_position[2] == 123.0
+
+
+def test_groups_fold_and_stay_folded_when_the_technique_changes(window: MainWindow) -> None:
+    form = window.technique_panel.form
+    assert form is not None
+    section = form.sections["Sampling"]
+    section.header.click()
+    assert not section.content.isVisible()
+    window.technique_panel._rebuild()
+    assert not window.technique_panel.form.sections["Sampling"].header.isChecked()
+
+
+def test_the_histogram_counts_every_voxel(window: MainWindow, wait_for: Wait) -> None:
+    wait_for(lambda: window.data_panel.histogram.counts is not None)
+    counts = window.data_panel.histogram.counts
+    assert counts.sum() == 32**3
+    assert counts[1:-1].sum() == 0
+
+
+def test_every_control_has_a_tooltip_and_a_name(window: MainWindow) -> None:
+    without = []
+    for kind in (QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox):
+        for widget in [*window.data_panel.findChildren(kind), *window.technique_panel.findChildren(kind)]:
+            if widget.objectName().startswith("qt_") or isinstance(widget.parent(), QComboBox):
+                continue
+            if type(widget).__name__ == "QScrollBar":
+                continue
+            if not (widget.toolTip() or _parent_tooltip(widget)):
+                without.append(f"{type(widget).__name__} {widget.accessibleName()}")
+    assert not without
+
+
+def _parent_tooltip(widget: QWidget) -> str:
+    parent = widget.parentWidget()
+    return parent.toolTip() if parent is not None else ""

@@ -1,0 +1,161 @@
+"""Many operations in random order: nothing raises, nothing grows, the picture stays right."""
+
+from __future__ import annotations
+
+import gc
+import random
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from tests.ui.conftest import drag, foreground, is_complete, save_ball, turn_wheel
+from volviz.model.parameters import Parameter
+from volviz_ui.main_window import MainWindow
+from volviz_ui.panels.technique import change_setting
+from volviz_ui.panels.technique_box import choose_technique, current_technique, drawing_techniques
+
+Wait = Callable[..., None]
+OPERATIONS = 120
+WARM_UP = 40
+GROWTH_MEGABYTES = 50
+
+
+def resident_megabytes() -> float:
+    """Memory of this process that is in use."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith("VmRSS"):
+            return int(line.split()[1]) / 1024
+    pytest.skip("/proc tells no memory here")
+
+
+class Monkey:
+    """Does one thing after another, chosen by a seeded generator."""
+
+    def __init__(self, window: MainWindow, files: list[str], seed: int) -> None:
+        self.window = window
+        self.files = files
+        self.random = random.Random(seed)
+        self.errors: list[object] = []
+        self.log: list[str] = []
+        window.display.failed.connect(self.errors.append)
+        window.documents.failed.connect(lambda name, error: self.errors.append(error))
+
+    def step(self) -> None:
+        name = self.random.choice([n for n in dir(self) if n.startswith("do_")])
+        self.log.append(name)
+        getattr(self, name)()
+        QTest.qWait(self.random.choice([0, 5, 30]))
+
+    def do_rotate(self) -> None:
+        middle = self.window.viewport.rect().center()
+        offset = QPoint(self.random.randint(-90, 90), self.random.randint(-90, 90))
+        buttons = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton)
+        drag(self.window.viewport, middle, middle + offset, button=self.random.choice(buttons), steps=4)
+
+    def do_zoom(self) -> None:
+        turn_wheel(self.window.viewport, self.random.choice([-1, 1]))
+
+    def do_look_along_an_axis(self) -> None:
+        self.random.choice(self.window.actions_.axis_views).trigger()
+
+    def do_technique(self) -> None:
+        choose_technique(self.window.store, self.random.choice(drawing_techniques()).id)
+
+    def do_setting(self) -> None:
+        parameter = self.random.choice(current_technique(self.window.store.scene).parameters)
+        value = self._value(parameter)
+        if value is not None:
+            change_setting(self.window.store, parameter, value)
+
+    def do_transfer_function(self) -> None:
+        layer = self.window.store.scene.layer
+        function = layer.transfer_function
+        changed = self.random.choice(
+            [
+                lambda: function.shifted(self.random.uniform(-5, 5)),
+                lambda: function.stretched(self.random.uniform(0.8, 1.25), 100.0),
+                lambda: function.with_opacity(self.random.uniform(0.2, 1.0)),
+            ]
+        )()
+        self.window.store.update(lambda scene: scene.with_layer(transfer_function=changed), label="Colours")
+
+    def do_crop(self) -> None:
+        field = self.random.choice(self.window.data_panel.crop.fields)[self.random.randint(0, 1)]
+        field.setValue(self.random.randint(field.minimum(), field.maximum()))
+
+    def do_plane(self) -> None:
+        planes = self.window.data_panel.planes
+        if planes.rows and self.random.random() < 0.6:
+            planes.rows[0].removed.emit()
+        else:
+            planes.add_plane(self.random.choice([(1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.0, 0.0, -1.0)]))
+
+    def do_open(self) -> None:
+        self.window.open(self.random.choice(self.files))
+        if self.random.random() < 0.7:
+            QTest.qWait(120)
+
+    def do_undo(self) -> None:
+        for _ in range(self.random.randint(1, 4)):
+            self.window.actions_.undo.trigger()
+
+    def do_redo(self) -> None:
+        for _ in range(self.random.randint(1, 3)):
+            self.window.actions_.redo.trigger()
+
+    def do_resize(self) -> None:
+        self.window.resize(self.random.randint(900, 1200), self.random.randint(640, 860))
+
+    def do_float_a_panel(self) -> None:
+        dock = self.random.choice(self.window.docks)
+        dock.setFloating(not dock.isFloating())
+
+    def do_scenery(self) -> None:
+        self.random.choice(list(self.window.actions_.scenery.values())).trigger()
+
+    def do_forget_volumes(self) -> None:
+        self.window.documents.cache.clear()
+
+    def _value(self, parameter: Parameter) -> object:
+        if parameter.kind == "bool":
+            return self.random.random() < 0.5
+        if parameter.kind == "choice":
+            return self.random.choice(parameter.choices)[0]
+        if parameter.kind == "float":
+            low = parameter.soft_minimum if parameter.soft_minimum is not None else parameter.minimum
+            high = parameter.soft_maximum if parameter.soft_maximum is not None else parameter.maximum
+            if low is not None and high is not None:
+                return self.random.uniform(low, high)
+        return None
+
+
+@pytest.mark.slow
+def test_random_operations_raise_nothing_and_keep_the_memory(
+    window: MainWindow, tmp_path: Path, wait_for: Wait
+) -> None:
+    files = [str(save_ball(tmp_path / f"ball{n}.npy", 80 + 40 * n, size=24 + 8 * n)) for n in range(3)]
+    monkey = Monkey(window, files, seed=20260)
+    memory = 0.0
+    for number in range(OPERATIONS):
+        if number == WARM_UP:
+            gc.collect()
+            memory = resident_megabytes()
+        monkey.step()
+        assert not monkey.errors, (monkey.errors, monkey.log[-6:])
+    gc.collect()
+    grown = resident_megabytes() - memory
+    assert grown < GROWTH_MEGABYTES, f"{grown:.0f} MB more after {OPERATIONS - WARM_UP} operations"
+
+    wait_for(lambda: not window.documents.is_loading)
+    window.reset_layout()
+    window.open(files[1])
+    wait_for(lambda: window.documents.volume.dimensions == (32, 32, 32) and not window.documents.is_loading)
+    choose_technique(window.store, "raycast")
+    window.view_commands.reset_settings()
+    window.view_commands.reset_camera()
+    wait_for(lambda: is_complete(window))
+    assert foreground(window).mean() > 0.02
+    assert window.display.handle.error is None

@@ -1,0 +1,238 @@
+"""The viewport under real mouse events: camera, light, pictures, and nothing drawn without a reason."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from tests.ui.conftest import drag, foreground, is_complete, picture, turn_wheel
+from volviz.model.transfer_function import TransferFunction
+from volviz_ui.main_window import MainWindow
+
+Wait = Callable[..., None]
+
+
+def centre(window: MainWindow) -> QPoint:
+    return window.viewport.rect().center()
+
+
+def test_a_left_drag_to_the_right_moves_the_eye_to_the_left_of_the_volume(window: MainWindow) -> None:
+    window.view_commands.show_axis_view("A")
+    before = window.viewport.view_camera
+    drag(window.viewport, centre(window), centre(window) + QPoint(80, 0))
+    after = window.viewport.view_camera
+    right = np.cross(before.direction, before.view_up)
+    moved = np.subtract(after.position, before.position)
+    assert moved @ right < 0
+    assert after.distance == pytest.approx(before.distance)
+
+
+def test_a_drag_is_committed_once_and_is_no_step_of_the_history(window: MainWindow) -> None:
+    scenes = []
+    window.store.changed.connect(lambda old, new: scenes.append(new))
+    drag(window.viewport, centre(window), centre(window) + QPoint(60, 40), steps=10)
+    assert len(scenes) == 1
+    assert scenes[0].view.camera == window.viewport.view_camera
+    assert window.store.undo_label is None
+
+
+def test_a_click_without_a_move_changes_nothing(window: MainWindow) -> None:
+    scene, frames = window.store.scene, window.viewport.frames
+    QTest.mouseClick(window.viewport, Qt.MouseButton.LeftButton, pos=centre(window))
+    QTest.qWait(50)
+    assert window.store.scene is scene
+    assert window.viewport.frames == frames
+
+
+def test_the_wheel_zooms_and_the_camera_is_committed_when_it_rests(
+    window: MainWindow, wait_for: Wait
+) -> None:
+    before = window.store.scene.view.camera
+    turn_wheel(window.viewport, 2)
+    assert window.viewport.view_camera.distance < before.distance
+    assert window.store.scene.view.camera == before
+    wait_for(lambda: window.store.scene.view.camera != before)
+    assert window.store.scene.view.camera == window.viewport.view_camera
+
+
+def test_a_shift_drag_pushes_the_volume_along(window: MainWindow, wait_for: Wait) -> None:
+    def middle() -> tuple[float, float]:
+        rows, columns = np.nonzero(foreground(window))
+        return float(columns.mean()), float(rows.mean())
+
+    x, y = middle()
+    drag(
+        window.viewport,
+        centre(window),
+        centre(window) + QPoint(70, -50),
+        modifiers=Qt.KeyboardModifier.ShiftModifier,
+    )
+    wait_for(lambda: is_complete(window))
+    moved_x, moved_y = middle()
+    assert moved_x - x == pytest.approx(70, abs=4)
+    assert moved_y - y == pytest.approx(-50, abs=4)
+
+
+def test_a_middle_drag_upwards_zooms_in(window: MainWindow) -> None:
+    before = window.viewport.view_camera
+    drag(window.viewport, centre(window), centre(window) - QPoint(0, 60), button=Qt.MouseButton.MiddleButton)
+    after = window.viewport.view_camera
+    assert after.distance < before.distance
+    assert after.direction == pytest.approx(before.direction)
+
+
+def test_a_right_drag_moves_the_light_where_the_technique_has_one(window: MainWindow) -> None:
+    window.viewport.light_is_movable = True
+    camera = window.viewport.view_camera
+    drag(window.viewport, centre(window), centre(window) + QPoint(50, 20), button=Qt.MouseButton.RightButton)
+    light = window.store.scene.light
+    assert not light.headlight
+    assert light.position is not None
+    assert window.viewport.view_camera == camera
+    assert window.store.undo_label == "Move the light"
+    window.actions_.undo.trigger()
+    assert window.store.scene.light.headlight
+    assert window.store.undo_label is None
+
+
+def test_a_right_drag_zooms_where_there_is_no_light(window: MainWindow) -> None:
+    window.viewport.light_is_movable = False
+    before = window.viewport.view_camera.distance
+    drag(window.viewport, centre(window), centre(window) - QPoint(0, 60), button=Qt.MouseButton.RightButton)
+    assert window.viewport.view_camera.distance < before
+    assert window.store.scene.light.headlight
+
+
+def test_ctrl_and_wheel_change_the_distance_of_the_light(window: MainWindow, wait_for: Wait) -> None:
+    window.viewport.light_is_movable = True
+    centre_of_volume = np.asarray(window.documents.volume.center)
+    turn_wheel(window.viewport, 1, Qt.KeyboardModifier.ControlModifier)
+    near = np.linalg.norm(np.subtract(window.store.scene.light.position, centre_of_volume))
+    turn_wheel(window.viewport, -3, Qt.KeyboardModifier.ControlModifier)
+    far = np.linalg.norm(np.subtract(window.store.scene.light.position, centre_of_volume))
+    assert far > near
+    wait_for(lambda: not window.viewport.is_moving)
+
+
+def test_an_idle_window_draws_no_frame(window: MainWindow) -> None:
+    QTest.qWait(300)
+    before = window.viewport.frames
+    QTest.qWait(3000)
+    assert window.viewport.frames == before
+
+
+def test_ten_moves_of_the_mouse_do_not_draw_more_than_ten_frames(window: MainWindow, wait_for: Wait) -> None:
+    before = window.viewport.frames
+    drag(window.viewport, centre(window), centre(window) + QPoint(50, 0), steps=10)
+    moved = window.viewport.frames - before
+    assert 1 <= moved <= 10
+    wait_for(lambda: is_complete(window))
+    # the picture at rest, and the complete one
+    assert window.viewport.frames - before <= moved + 3
+
+
+def test_after_a_drag_the_complete_picture_comes(window: MainWindow, wait_for: Wait) -> None:
+    drag(window.viewport, centre(window), centre(window) + QPoint(30, 0))
+    wait_for(lambda: is_complete(window))
+    assert window.display.status.resolution == 1.0
+    wait_for(lambda: "full quality" in window.status_line.drawing.text())
+
+
+@pytest.mark.parametrize("key", ["3", "s", "q", "e", "v", "b", "C", "w", "+", "-"])
+def test_keys_of_vtk_and_pyvista_do_not_reach_the_scene(window: MainWindow, key: str) -> None:
+    window.viewport.setFocus()
+    renderer = window.viewport.renderer
+    QTest.keyClick(window.viewport, key)
+    QTest.qWait(20)
+    assert not window.viewport.render_window.GetStereoRender()
+    for actor in renderer.actors.values():
+        if hasattr(actor, "GetProperty") and hasattr(actor.GetProperty(), "GetRepresentation"):
+            assert actor.GetProperty().GetRepresentation() == 2
+    assert window.isVisible()
+
+
+def test_the_axis_views_look_along_the_axes(window: MainWindow) -> None:
+    for action, direction in zip(
+        window.actions_.axis_views,
+        [(0, 1, 0), (0, -1, 0), (-1, 0, 0), (1, 0, 0), (0, 0, -1), (0, 0, 1)],
+        strict=True,
+    ):
+        action.trigger()
+        assert window.viewport.view_camera.direction == pytest.approx(direction)
+        assert window.store.scene.view.camera == window.viewport.view_camera
+
+
+def test_parallel_projection_keeps_the_size_of_the_volume(window: MainWindow, wait_for: Wait) -> None:
+    window.view_commands.show_axis_view("A")
+    wait_for(lambda: is_complete(window))
+    before = foreground(window).sum()
+    QTest.keyClick(window, Qt.Key.Key_O)
+    assert window.store.scene.view.camera.parallel
+    wait_for(lambda: is_complete(window))
+    assert foreground(window).sum() == pytest.approx(before, rel=0.15)
+
+
+def test_the_pointer_tells_the_voxel_below_it(window: MainWindow, wait_for: Wait) -> None:
+    window.view_commands.show_axis_view("A")
+    solid = TransferFunction.from_points([(100, (1, 1, 1, 0)), (150, (1, 1, 1, 1))])
+    window.store.update(lambda scene: scene.with_layer(transfer_function=solid))
+    QTest.mouseMove(window.viewport, centre(window) - QPoint(3, 3))
+    QTest.mouseMove(window.viewport, centre(window))
+    wait_for(window.status_line.pointer.text)
+    text = window.status_line.pointer.text()
+    index = [int(n) for n in text[1 : text.index(")")].split(",")]
+    assert text.endswith("200")
+    # the middle of the picture shows the middle of the volume, seen from the front, where y is small
+    assert index[0] in (15, 16)
+    assert index[2] in (15, 16)
+    assert index[1] in (3, 4, 5)
+    QTest.mouseMove(window.viewport, QPoint(4, 4))
+    wait_for(lambda: not window.status_line.pointer.text())
+
+
+def test_floating_and_docking_a_panel_leaves_the_picture_as_it_was(
+    window: MainWindow, wait_for: Wait
+) -> None:
+    before = picture(window)
+    for dock in window.docks:
+        dock.setFloating(True)
+        QTest.qWait(50)
+        dock.setFloating(False)
+        QTest.qWait(50)
+    window.reset_layout()
+    wait_for(lambda: is_complete(window))
+    after = picture(window)
+    if after.shape == before.shape:
+        assert np.abs(after - before).max() <= 2
+    assert window.display.handle.error is None
+    assert foreground(window).mean() > 0.02
+
+
+def test_another_size_of_the_window_gives_a_right_picture(window: MainWindow, wait_for: Wait) -> None:
+    for width, height in ((900, 640), (1200, 800), (1000, 700)):
+        window.resize(width, height)
+        QTest.qWait(100)
+        wait_for(lambda: is_complete(window))
+        rows, columns = np.nonzero(foreground(window))
+        shape = foreground(window).shape
+        assert abs(rows.mean() / shape[0] - 0.5) < 0.05
+        assert abs(columns.mean() / shape[1] - 0.5) < 0.05
+
+
+def test_box_axes_marker_and_bar_can_be_switched(window: MainWindow, wait_for: Wait) -> None:
+    for name, action in window.actions_.scenery.items():
+        off = picture(window)
+        was_on = action.isChecked()
+        action.trigger()
+        QTest.qWait(50)
+        wait_for(lambda: is_complete(window))
+        assert np.abs(picture(window) - off).max() > 20, name
+        assert window.scenery.is_shown(name) is not was_on
+        action.trigger()
+        QTest.qWait(50)
+        wait_for(lambda: is_complete(window))
+        assert np.abs(picture(window) - off).max() <= 2, name
