@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.frame_uniforms import box_tiles, shared_uniforms
@@ -132,6 +133,11 @@ class VolumeHandle:
     def settings(self) -> Any:
         """Settings of the technique."""
         return self._settings
+
+    @property
+    def gpu(self) -> Gpu:
+        """Programs, textures and targets of the window; made with the first drawing."""
+        return self._gpu.gpu
 
     @property
     def transfer_function(self) -> TransferFunction:
