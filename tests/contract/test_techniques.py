@@ -259,7 +259,9 @@ def test_parallel_projection_and_a_camera_inside_draw_without_error(technique: s
         assert np.isfinite(parallel).all()
         assert (parallel[..., 3] > 0.05).mean() > 0.01
         on.window.camera.SetParallelProjection(False)
-        on.window.camera.SetPosition(*on.volume.center)
+        x, y, z = on.volume.center
+        on.window.camera.SetPosition(x, y, z)
+        on.window.camera.SetFocalPoint(x + 3.0, y + 7.0, z + 2.0)
         on.window.reset_camera_clipping_range()
         assert np.isfinite(on.picture()).all()
 
