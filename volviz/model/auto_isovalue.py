@@ -22,9 +22,9 @@ _known: WeakKeyDictionary[Volume, float] = WeakKeyDictionary()
 def auto_isovalue(volume: Volume) -> float:
     """The value that best splits the object from what surrounds it, for a first surface.
 
-    Otsu's threshold (Otsu 1979: least variance within the two classes) of the histogram in which every voxel counts
-    by its gradient magnitude, so that borders decide and not the amount of air around them. Ties between equally
-    good cuts, wide gaps in the histogram say, end in their middle.
+    Otsu's threshold (Otsu 1979: least variance within the two classes) of the histogram in which every voxel
+    counts by its gradient magnitude, so that borders decide and not the amount of air around them. Ties
+    between equally good cuts, wide gaps in the histogram say, end in their middle.
 
     Parameters
     ----------

@@ -29,8 +29,8 @@ class IsosurfaceSettings:
     isovalues: tuple[float, ...] | None = parameter(
         None,
         "Isovalues",
-        "Values at which the surfaces lie, in data units; up to four. Automatic takes the value that best splits "
-        "the object from what surrounds it.",
+        "Values at which the surfaces lie, in data units; up to four. Automatic takes the value that best "
+        "splits the object from what surrounds it.",
         kind="floats",
         optional=True,
         none_label="from the histogram",
@@ -47,8 +47,8 @@ class IsosurfaceSettings:
     opacities: tuple[float, ...] = parameter(
         (1.0,),
         "Opacities",
-        "Opacities of the surfaces, in the order of the isovalues; given fewer, the last counts for the rest. "
-        "Below 1 the surfaces behind shine through.",
+        "Opacities of the surfaces, in the order of the isovalues; given fewer, the last counts for the "
+        "rest. Below 1 the surfaces behind shine through.",
         kind="floats",
         minimum=0.0,
         maximum=1.0,
@@ -83,8 +83,9 @@ class IsosurfaceSettings:
         0.2, "Ambient", "Light that reaches every place.", group="Lighting", minimum=0.0, maximum=1.0
     )
     diffuse: float = parameter(
-        0.8, "Diffuse", "Light scattered evenly from a lit surface.", group="Lighting", minimum=0.0, maximum=1.0
-    )
+        0.8, "Diffuse", "Light scattered evenly from a lit surface.", group="Lighting", minimum=0.0,
+        maximum=1.0,
+    )  # fmt: skip
     specular: float = parameter(
         0.25, "Specular", "Strength of highlights.", group="Lighting", minimum=0.0, maximum=1.0
     )
@@ -106,8 +107,8 @@ class IsosurfaceSettings:
     display: str = parameter(
         "image",
         "Show",
-        "The picture; the points of the nearest surface as texture coordinates; its world normals, 0.5 being zero; "
-        "or how many samples each ray took, from black to white.",
+        "The picture; the points of the nearest surface as texture coordinates; its world normals, 0.5 being "
+        "zero; or how many samples each ray took, from black to white.",
         choices=DISPLAYS,
         group="Machinery",
         cost=Cost.PROGRAM,
@@ -119,4 +120,4 @@ class IsosurfaceSettings:
                 f"isovalues must be 1 to {MAX_SURFACES} numbers in data units, got {len(self.isovalues)}."
             )
         if not self.colors or not self.opacities:
-            raise SettingError("colors and opacities need at least one entry each, to be used for every isovalue.")
+            raise SettingError("colors and opacities need at least one entry each, for every isovalue.")

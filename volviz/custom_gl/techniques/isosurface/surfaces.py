@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from volviz.custom_gl.techniques.isosurface.settings import IsosurfaceSettings
     from volviz.model.volume import Volume
 
-#: By so much of the data range isovalues are lowered on the GPU: samples that *are* the isovalue count as inside
-#: despite the rounding of float32, so that plateaus at it are not torn. A ten-thousandth of a grey level of 256.
+#: By so much of the data range isovalues are lowered on the GPU: samples that *are* the isovalue count as
+#: inside despite the rounding of float32, so that plateaus at it are not torn. It is a ten-thousandth of a
+#: grey level of 256.
 PLATEAU_MARGIN = 2.0**-21
 
 #: Larger than any fraction of the range: no surface.
@@ -64,5 +65,7 @@ def shown_surfaces(volume: Volume, settings: IsosurfaceSettings) -> Surfaces:
     opacities = [settings.opacities[min(i, len(settings.opacities) - 1)] for i in range(len(isovalues))]
     order = sorted(range(len(isovalues)), key=lambda i: isovalues[i])
     return Surfaces(
-        tuple(isovalues[i] for i in order), tuple(colors[i] for i in order), tuple(opacities[i] for i in order)
+        tuple(isovalues[i] for i in order),
+        tuple(colors[i] for i in order),
+        tuple(opacities[i] for i in order),
     )

@@ -17,24 +17,25 @@ class TwoPassSettings(PreintegrationSettings, ShadingSettings, SamplingSettings)
     reverse: bool = parameter(
         False,
         "Entry points first",
-        "The first pass draws the front faces and the second marches from the back faces, instead of the other way "
-        "round. With the eye inside the box this order is always taken: no front face is in view there.",
+        "The first pass draws the front faces and the second marches from the back faces, instead of the "
+        "other way round. With the eye inside the box this order is always taken: no front face is in view "
+        "there.",
         group="Passes",
         cost=Cost.PROGRAM,
     )
     half_float: bool = parameter(
         False,
         "Half-float positions",
-        "Keeps the points of the first pass in 16-bit instead of 32-bit floats, as older programs did: good to "
-        "about 1/2000 of the box, which shows as fine bands.",
+        "Keeps the points of the first pass in 16-bit instead of 32-bit floats, as older programs did: good "
+        "to about 1/2000 of the box, which shows as fine bands.",
         group="Passes",
         cost=Cost.TEXTURE,
     )
     display: str = parameter(
         "image",
         "Show",
-        "The picture, or the points where rays enter or leave the box as colours: red, green and blue are the "
-        "texture coordinates x, y and z.",
+        "The picture, or the points where rays enter or leave the box as colours: red, green and blue are "
+        "the texture coordinates x, y and z.",
         choices=DISPLAYS,
         group="Machinery",
         cost=Cost.PROGRAM,
