@@ -199,7 +199,8 @@ def _axes(job: Job, fields: dict[str, str], sizes: list[int]) -> tuple[Geometry,
         in_space = columns[axis] is not None if columns is not None else kind in _SPACE_KINDS
         letter = next(spatial, None) if in_space else None
         if letter is None:
-            letter = "T" if kind in _TIME_KINDS or (in_space and kind not in _COLOUR_KINDS) else "S"
+            is_time = kind in _TIME_KINDS or kind in _SPACE_KINDS or in_space
+            letter = "T" if is_time and kind not in _COLOUR_KINDS else "S"
             if letter == "S" and axis > 0 and kind not in _COLOUR_KINDS:
                 letter = "C"
         if letter == "S":
@@ -228,6 +229,9 @@ def _directions(job: Job, fields: dict[str, str], count: int) -> list[tuple[floa
     if "spacedirections" not in fields:
         return None
     columns = _vectors(fields["spacedirections"])
+    if len(columns) == 4:
+        # a four-dimensional space: the axis that leads nowhere in its first three dimensions is time
+        columns = [None if c is None or not any(c[:3]) else c for c in columns]
     if len(columns) != count or sum(c is not None for c in columns) != 3:
         raise job.error("its space directions do not fit its axes; the file is damaged.")
     return [None if c is None else c[:3] for c in columns]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".raw", ".raw.gz", ".bin", ".dat")
 
-_PATTERN = re.compile(r"(?<!\d)(\d+)x(\d+)x(\d+)(?!\d|x\d)", re.IGNORECASE)
+_PATTERN = re.compile(r"(?<![\dx])(\d+)x(\d+)x(\d+)(?!\d|x\d)", re.IGNORECASE)
 _TYPE = re.compile(
     r"(?<![a-z])(u?int(?:8|16|32|64)|float(?:16|32|64)|u?char|u?short|float|double)(?![a-z\d])"
 )
