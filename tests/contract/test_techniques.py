@@ -143,12 +143,16 @@ def test_the_classic_values_draw_a_picture(technique: str) -> None:
 def test_each_setting_changes_the_picture_or_says_why_not(technique: str) -> None:
     info = techniques()[technique]
     with stage(technique) as on:
-        default = on.picture()
+        # coarse samples, since the default ones are so fine that where they lie cannot be seen
+        coarse = {"step": 2.0} if any(p.name == "step" for p in info.parameters) else {}
+        default = on.picture(**coarse)
         dead = [
             p.name
             for p in info.parameters
             if p.name not in info.inert
-            and not any(np.abs(on.picture(**{p.name: v}) - default).max() > CHANGE for v in other_values(p))
+            and not any(
+                np.abs(on.picture(**(coarse | {p.name: v})) - default).max() > CHANGE for v in other_values(p)
+            )
         ]
     assert not dead, f"these settings change nothing: {', '.join(dead)}"
 
@@ -191,22 +195,12 @@ def test_a_cheap_setting_compiles_and_uploads_nothing(technique: str) -> None:
 def test_chunks_make_the_same_picture_as_one_piece(technique: str) -> None:
     with stage(technique) as on:
         whole = on.picture()
-        asked: list[object] = []
-
-        class Later:
-            def request(self, handle: object) -> None:
-                asked.append(handle)
-
-        on.handle.pacer = Later()
         on.handle.update()
-        on.handle.begin_interaction()
-        on.window.render()
-        on.handle.end_interaction()
         turns = 0
         while not on.handle.refine(budget=0.0):
             turns += 1
             assert turns < 5000
-        assert asked
+        assert turns > 0
         assert np.abs(on.handle.read_picture() - whole).max() <= 1 / 255
 
 
@@ -214,21 +208,10 @@ def test_chunks_make_the_same_picture_as_one_piece(technique: str) -> None:
 def test_an_interrupted_picture_does_not_show_in_the_next_one(technique: str) -> None:
     with stage(technique) as on:
         whole = on.picture()
-
-        class Later:
-            def request(self, handle: object) -> None:
-                pass
-
-        on.handle.pacer = Later()
         on.window.camera.Azimuth(40)
         on.handle.update()
-        on.handle.begin_interaction()
-        on.window.render()
-        on.handle.end_interaction()
-        for _ in range(2):
-            on.handle.refine(budget=0.0)
+        assert not on.handle.refine(budget=0.0)
         on.window.camera.Azimuth(-40)
-        on.handle.pacer = None
         again = on.picture()
         assert np.abs(again - whole).max() <= 1 / 255
 

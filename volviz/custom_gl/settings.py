@@ -133,6 +133,7 @@ class SamplingSettings:
         soft_minimum=0.1,
         soft_maximum=4.0,
         logarithmic=True,
+        cost=Cost.TEXTURE,
     )
     first_sample: float = parameter(
         0.5,
@@ -156,6 +157,7 @@ class SamplingSettings:
         logarithmic=True,
         optional=True,
         none_label="mean voxel spacing",
+        cost=Cost.TEXTURE,
     )
     density_threshold: float = parameter(
         0.0,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from volviz.custom_gl.settings import SamplingSettings, ShadingSettings
-from volviz.model.parameters import parameter
+from volviz.model.parameters import Cost, parameter
 
 MIN_SLICES, MAX_SLICES = 8, 2048
 
@@ -29,5 +29,6 @@ class SlicingSettings(ShadingSettings, SamplingSettings):
         group="Sampling",
     )
     display: str = parameter(
-        "image", "Show", "The picture, the polygons it is made of, or both.", choices=DISPLAYS, group="Machinery"
-    )
+        "image", "Show", "The picture, the polygons it is made of, or both.", choices=DISPLAYS, group="Machinery",
+        cost=Cost.PROGRAM,
+    )  # fmt: skip
