@@ -232,6 +232,8 @@ class Actions(QObject):
         if icon:
             set_icon(action, icon)
         if checkable:
+            # with an icon the menu would not show whether it is switched on
+            action.setIconVisibleInMenu(False)
             action.triggered.connect(slot)
         else:
             action.triggered.connect(lambda _checked=False: slot())

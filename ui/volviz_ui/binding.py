@@ -1,7 +1,7 @@
 """The two ways in which a widget and the store are tied together; there is no third.
 
-`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both hold
-the widget weakly: a closed panel disappears although the store lives on.
+`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both
+hold the widget weakly: a closed panel disappears although the store lives on.
 """
 
 from __future__ import annotations

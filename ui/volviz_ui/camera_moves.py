@@ -63,7 +63,7 @@ def axis_camera(volume: Volume, letter: str, aspect: float) -> Camera:
 def light_turned(
     position: Vector, center: Vector, camera: Camera, dx: float, dy: float, size: tuple[int, int]
 ) -> Vector:
-    """The light after a drag: it turns around the volume as if it hung before the eye, keeping its distance."""
+    """The light after a drag: it turns around the volume, at the same distance."""
     side = max(min(size), 1)
     right, up = frame(camera)
     offset = np.subtract(position, center)

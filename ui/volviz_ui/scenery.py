@@ -95,6 +95,10 @@ class Scenery:
             ytitle=f"y ({length})",
             ztitle=f"z ({length})",
             fmt="%.4g",
+            n_xlabels=4,
+            n_ylabels=4,
+            n_zlabels=4,
+            use_3d_text=False,
             render=False,
         )
 
@@ -124,6 +128,7 @@ class Scenery:
             bar.SetLookupTable(_table(self._function, self._volume))
             bar.SetTitle(f"{self._volume.unit}\n" if self._volume.unit else "")
             bar.SetNumberOfLabels(5)
+            bar.SetMaximumNumberOfColors(256)
             bar.SetUnconstrainedFontSize(True)
             for text in (bar.GetLabelTextProperty(), bar.GetTitleTextProperty()):
                 text.SetColor(*pv.Color(FOREGROUND).float_rgb)

@@ -1,8 +1,9 @@
-"""How the program looks: Qt's Fusion style with palettes of our own, light and dark, and one accent colour."""
+"""How the program looks: Qt's Fusion style, a light and a dark palette of our own, one accent."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
@@ -13,13 +14,12 @@ from volviz_ui import icons
 
 Choice = Literal["system", "light", "dark"]
 
-RHYTHM = 8
-"""All distances are multiples or halves of this, in device-independent pixels."""
+RESOURCES = Path(__file__).parent / "resources"
 
 
 @dataclass(frozen=True)
 class Colors:
-    """The colours of one theme, as ``#rrggbb``."""
+    """The colours of one theme, as ``#rrggbb``, and the picture of a check mark on the accent colour."""
 
     window: str
     panel: str
@@ -31,6 +31,7 @@ class Colors:
     disabled: str
     accent: str
     accent_text: str
+    check: str
     tooltip: str
     tooltip_text: str
 
@@ -46,6 +47,7 @@ LIGHT = Colors(
     disabled="#a3acb5",
     accent="#1f6fd0",
     accent_text="#ffffff",
+    check="check-light.svg",
     tooltip="#22282f",
     tooltip_text="#f2f4f6",
 )
@@ -60,6 +62,7 @@ DARK = Colors(
     disabled="#5c656e",
     accent="#4795ee",
     accent_text="#0c1118",
+    check="check-dark.svg",
     tooltip="#3a424b",
     tooltip_text="#f2f4f6",
 )
@@ -103,6 +106,7 @@ def palette_of(colors: Colors) -> QPalette:
 def style_sheet(colors: Colors) -> str:
     """The few things that a palette cannot say."""
     c = colors
+    check = (RESOURCES / c.check).as_posix()
     return f"""
     QMainWindow {{ background: {c.window}; }}
     QMainWindow::separator {{ background: {c.window}; width: 5px; height: 5px; }}
@@ -126,11 +130,17 @@ def style_sheet(colors: Colors) -> str:
     QToolBar QToolButton::menu-indicator {{
         subcontrol-origin: padding; subcontrol-position: center right; right: 3px;
     }}
-    QRangeSlider {{ qproperty-barColor: {c.accent}; }}
+    QCheckBox::indicator {{
+        width: 13px; height: 13px; border: 1px solid {c.disabled}; border-radius: 3px; background: {c.base};
+    }}
+    QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {c.accent}; }}
+    QCheckBox::indicator:checked {{ background: {c.accent}; border-color: {c.accent}; image: url("{check}"); }}
+    QCheckBox::indicator:disabled {{ border-color: {c.border}; background: {c.panel}; }}
+    QCheckBox::indicator:checked:disabled {{ background: {c.disabled}; }}
     QStatusBar {{ background: {c.window}; color: {c.quiet}; }}
     QStatusBar::item {{ border: none; }}
     QStatusBar QLabel {{ color: {c.quiet}; }}
-    QDockWidget {{ titlebar-close-icon: none; }}
+    QDialogButtonBox, QMessageBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
     QWidget#dock_title {{ background: {c.window}; }}
     QLabel#dock_caption {{ color: {c.quiet}; font-weight: 600; }}
     QToolButton#dock_button {{ border: none; border-radius: 4px; padding: 2px; }}

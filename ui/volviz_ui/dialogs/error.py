@@ -9,6 +9,7 @@ from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QMessageBox, QTextEdit, QWidget
 
 from volviz.errors import VolvizError
+from volviz_ui.icons import icon
 
 
 def sentence_of(error: BaseException) -> str:
@@ -31,7 +32,7 @@ def error_box(parent: QWidget, title: str, error: BaseException) -> QMessageBox:
     """A dialog with the sentence; its details are folded. Not shown yet."""
     box = QMessageBox(parent)
     box.setObjectName("error_dialog")
-    box.setIcon(QMessageBox.Icon.Warning)
+    box.setIconPixmap(icon("warning", "warning").pixmap(32, 32))
     box.setWindowTitle(title)
     box.setText(sentence_of(error))
     box.setDetailedText(details_of(error))

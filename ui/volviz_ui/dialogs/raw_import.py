@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from volviz_ui.editors.number import NumberField
-from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.simple import QWIDGETSIZE_MAX, CalmComboBox
 from volviz_ui.panels.panel import quiet_label
 
 RAW_SUFFIXES = (".raw", ".raw.gz", ".bin", ".vol")
@@ -152,6 +152,7 @@ class RawImportDialog(QDialog):
 
     def _length(self) -> QDoubleSpinBox:
         field = NumberField(parent=self)
+        field.setMaximumWidth(QWIDGETSIZE_MAX)
         field.setRange(1e-9, 1e9)
         field.setValue(1.0)
         field.setToolTip(self.tr("Distance between voxel centres along this axis"))

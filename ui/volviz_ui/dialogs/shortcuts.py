@@ -74,6 +74,8 @@ class ShortcutsDialog(QDialog):
         for number, (words, keys) in enumerate(rows, start=1):
             grid.addWidget(QLabel(words), number, 0)
             grid.addWidget(quiet_label(keys), number, 1)
+        grid.setColumnMinimumWidth(0, 190)
+        grid.setColumnMinimumWidth(1, 130)
         grid.setColumnStretch(0, 1)
         return grid
 

@@ -13,7 +13,7 @@ from volviz.model.parameters import Parameter
 from volviz_ui.editors.base import Editor, tooltip_of
 
 STEPS = 1000
-FIELD_WIDTH = 84
+FIELD_WIDTH = 96
 
 
 class CalmSlider(QSlider):
@@ -43,8 +43,8 @@ class NumberField(QDoubleSpinBox):
         self.setAccelerated(True)
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setMinimumWidth(FIELD_WIDTH)
-        self.setMaximumWidth(FIELD_WIDTH + 24)
+        # all of one width, so that sliders beside them line up
+        self.setFixedWidth(FIELD_WIDTH)
 
     def textFromValue(self, value: float) -> str:
         """Four significant digits are enough to read; the full value is kept."""

@@ -23,6 +23,10 @@ from volviz_ui.editors.base import Editor, tooltip_of
 from volviz_ui.editors.number import NumberField
 
 
+QWIDGETSIZE_MAX = 16777215
+"""Qt's own limit, which PySide6 does not name."""
+
+
 class CalmComboBox(QComboBox):
     """A list that the wheel changes only with the focus, and that may be narrower than its longest entry."""
 
@@ -160,7 +164,7 @@ class VectorEditor(Editor):
             field.setRange(-1e9, 1e9)
             field.setPrefix(f"{axis} ")
             field.setMinimumWidth(60)
-            field.setMaximumWidth(16777215)
+            field.setMaximumWidth(QWIDGETSIZE_MAX)
             field.setToolTip(tooltip_of(parameter))
             field.setAccessibleName(f"{parameter.label} {axis}")
             field.valueChanged.connect(self._on_value)

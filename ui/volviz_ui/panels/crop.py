@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSpinBox, QWidget
 from superqt import QRangeSlider
 
@@ -12,6 +13,7 @@ from volviz.model.clipping import Crop
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import send_value, show_value
+from volviz_ui.theme import is_palette_change
 
 
 class CropBox(QWidget):
@@ -24,9 +26,9 @@ class CropBox(QWidget):
     def __init__(self, store: Store, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
+        self.sliders: list[QRangeSlider] = []
         self._dimensions: tuple[int, int, int] | None = None
         self._dragging = False
-        self.sliders: list[QRangeSlider] = []
         self.fields: list[tuple[QSpinBox, QSpinBox]] = []
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
@@ -36,6 +38,7 @@ class CropBox(QWidget):
             tooltip = self.tr("Voxels along %1 that are shown, first and last").replace("%1", axis)
             slider = QRangeSlider(Qt.Orientation.Horizontal, self)
             slider.setMinimumWidth(56)
+            _color_bar(slider)
             slider.setToolTip(tooltip)
             slider.setAccessibleName(tooltip)
             low, high = QSpinBox(self), QSpinBox(self)
@@ -64,6 +67,13 @@ class CropBox(QWidget):
         send_value(self.crop_changed, store, _with_crop, label=self.tr("Crop"), gesture="crop")
         show_value(store, lambda scene: scene.clipping.crop, self.show_crop)
         self.set_volume(None)
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Take the colours of another theme."""
+        super().changeEvent(event)
+        if is_palette_change(event):
+            for slider in self.sliders:
+                _color_bar(slider)
 
     def set_volume(self, volume: Volume | None) -> None:
         """Take the number of voxels from another volume."""
@@ -124,6 +134,14 @@ class CropBox(QWidget):
         self.crop_changed.emit(None if limits == full else tuple(limits))
         if not self._dragging:
             self._store.end_gesture()
+
+
+def _color_bar(slider: QRangeSlider) -> None:
+    # superqt brings a blue of its own, and its property knows the active window only
+    accent = slider.palette().color(QPalette.ColorRole.Highlight).name()
+    style = slider._style  # noqa: SLF001
+    style.brush_active = style.brush_inactive = accent
+    slider.update()
 
 
 def _with_crop(scene: Scene, crop: Crop | None) -> Scene:

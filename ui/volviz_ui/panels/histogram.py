@@ -19,20 +19,27 @@ SLAB = 8
 
 
 def count_values(volume: Volume, task: Task | None = None) -> npt.NDArray[np.int64]:
-    """Number of finite values in each of `BINS` equal parts of the range of the volume.
+    """Number of finite values in each of at most `BINS` equal parts of the range of the volume.
 
-    Runs on a worker; `Cancelled` is raised when the task is cancelled.
+    Whole numbers get parts that hold equally many of them, or the outline would be a comb. Runs on a worker;
+    `Cancelled` is raised when the task is cancelled.
     """
     low, high = volume.range
+    bins = BINS
+    if volume.array.dtype.kind in "iu":
+        values = int(high - low) + 1
+        each = -(-values // BINS)
+        bins = -(-values // each)
+        low, high = low - 0.5, low - 0.5 + bins * each
     high = max(high, low + 1e-9)
-    counts = np.zeros(BINS, np.int64)
+    counts = np.zeros(bins, np.int64)
     for first in range(0, volume.array.shape[0], SLAB):
         if task is not None:
             task.report(first / volume.array.shape[0])
         slab = volume.array[first : first + SLAB]
         if slab.dtype.kind == "f":
             slab = slab[np.isfinite(slab)]
-        counts += np.histogram(slab, BINS, (low, high))[0]
+        counts += np.histogram(slab, bins, (low, high))[0]
     return counts
 
 
@@ -75,7 +82,7 @@ class HistogramView(QWidget):
             return
         part = min(max(event.position().x() / max(self.width(), 1), 0.0), 1.0)
         low, high = self._volume.range
-        index = min(int(part * BINS), BINS - 1)
+        index = min(int(part * len(self.counts)), len(self.counts) - 1)
         words = self.tr("%1: %2 voxels").replace(
             "%1", f"{low + part * (high - low):.5g} {self._volume.unit}".strip()
         )
@@ -98,7 +105,7 @@ class HistogramView(QWidget):
             return
         heights = np.log1p(self.counts)
         heights = heights / max(float(heights.max()), 1e-9) * (frame.height() - 6)
-        step = (frame.width() - 4) / BINS
+        step = (frame.width() - 4) / len(heights)
         outline = QPolygonF([QPointF(frame.left() + 2, frame.bottom() - 1)])
         for index, height in enumerate(heights):
             x = frame.left() + 2 + index * step
