@@ -21,7 +21,8 @@ from volviz.custom_gl.settings import SharedSettings
 from volviz.model.parameters import Cost, Parameter, make_settings, parameters_of
 from volviz.offscreen import apply_camera
 
-SIZE = (96, 72)
+#: High enough for several tiles, which are 64 pixels high.
+SIZE = (104, 136)
 FOLDER = Path(package.__path__[0])
 IMAGE_TECHNIQUES = [key for key, info in techniques().items() if info.kind == "image"]
 

@@ -166,6 +166,7 @@ class SamplingSettings:
         group="Classification",
         minimum=0.0,
         maximum=1.0,
+        cost=Cost.TEXTURE,
     )
     interpolation: str = parameter(
         "linear", "Interpolation", "Between voxel centres, or the nearest voxel as a block.",
