@@ -214,11 +214,12 @@ def _step(job: Job, positions: npt.NDArray[np.float64], first: Slice) -> npt.NDA
 
 def _stack(job: Job, slices: list[Slice]) -> npt.NDArray[Any]:
     first = slices[0]
-    alike = len({(s.slope, s.intercept) for s in slices}) == 1
+    # one rescaling at the end costs less memory; decoders of compressed pixels apply it slice by slice anyway
+    later = len({(s.slope, s.intercept) for s in slices}) == 1 and not any(s.compressed for s in slices)
     array: npt.NDArray[Any] | None = None
     for number, item in enumerate(slices):
         job.report(0.3 + 0.7 * number / len(slices), "reading slices")
-        pixels = _gray(job, _pixels(job, item, rescale=not alike), item)
+        pixels = _gray(job, _pixels(job, item, rescale=not later), item)
         if pixels.shape != (first.rows, first.columns):
             raise job.error("its pixels do not fit its header; the file is damaged.", item.path)
         if array is None:
@@ -227,8 +228,7 @@ def _stack(job: Job, slices: list[Slice]) -> npt.NDArray[Any]:
             array = array.astype(np.result_type(array, pixels))
         array[number] = pixels
     assert array is not None
-    # what SimpleITK decodes is rescaled already
-    return rescaled(array, first.slope, first.intercept) if alike and not first.compressed else array
+    return rescaled(array, first.slope, first.intercept) if later else array
 
 
 def _frames(job: Job, item: Slice) -> tuple[npt.NDArray[Any], Geometry]:
@@ -275,9 +275,10 @@ def _gray(job: Job, pixels: npt.NDArray[Any], item: Slice) -> npt.NDArray[Any]:
 
 def _pixels(job: Job, item: Slice, *, rescale: bool) -> npt.NDArray[Any]:
     """Pixels of one file, (rows, columns[, samples]) or (frames, rows, columns[, samples])."""
+    decoded = _decoded(item.path) if item.compressed else None
+    if decoded is not None:
+        return decoded
     try:
-        if item.compressed:
-            return _decoded(item.path)
         import pydicom
         from pydicom.config import disable_value_validation
 
@@ -285,14 +286,12 @@ def _pixels(job: Job, item: Slice, *, rescale: bool) -> npt.NDArray[Any]:
             warnings.simplefilter("ignore")
             pixels = pydicom.dcmread(item.path, force=True).pixel_array
     except (RuntimeError, ValueError, AttributeError, KeyError, TypeError, NotImplementedError, EOFError):
-        raise job.error(
-            "its pixels cannot be decoded; the file is damaged or of an unusual kind.", item.path
-        ) from None
+        raise job.error("its pixels cannot be decoded; the file is damaged.", item.path) from None
     return rescaled(pixels, item.slope, item.intercept) if rescale else pixels
 
 
-def _decoded(path: Path) -> npt.NDArray[Any]:
-    """Compressed pixels through SimpleITK, rescaled by it."""
+def _decoded(path: Path) -> npt.NDArray[Any] | None:
+    """Compressed pixels through SimpleITK, rescaled by it; None when it cannot (pydicom may know the kind)."""
     import SimpleITK
 
     # damaged files are answered with an exception; the warnings beside it would only repeat it on the
@@ -301,6 +300,8 @@ def _decoded(path: Path) -> npt.NDArray[Any]:
     SimpleITK.ProcessObject.GlobalWarningDisplayOff()
     try:
         array = np.asarray(SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path))))
+    except RuntimeError:
+        return None
     finally:
         SimpleITK.ProcessObject.SetGlobalWarningDisplay(shown)
     return array[0] if array.shape[0] == 1 else array

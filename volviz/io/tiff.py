@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import struct
 import warnings
 from typing import TYPE_CHECKING, Any
 
@@ -52,7 +53,7 @@ def read(job: Job) -> Volume:
                 return _read(job, file)
     except InputError:
         raise
-    except (tifffile.TiffFileError, ValueError, RuntimeError, LookupError, TypeError, EOFError):
+    except (tifffile.TiffFileError, ValueError, RuntimeError, LookupError, TypeError, EOFError, struct.error):
         raise job.error("this TIFF file is damaged, cut off or of an unusual kind; save it again.") from None
     finally:
         log.setLevel(level)
@@ -60,6 +61,8 @@ def read(job: Job) -> Volume:
 
 def _read(job: Job, file: tifffile.TiffFile) -> Volume:
     series = _series(job, file)
+    if _is_cut_off(file, series):
+        raise job.error("the file is cut off: its last pages are missing; get it again.")
     array, axes = _array(job, series)
     colour = "S" in axes and series.keyframe.photometric in (2, 6) and series.keyframe.photometric is not None
     spacing, length_unit = _spacing(job, file, series)
@@ -116,6 +119,19 @@ def _array(job: Job, series: tifffile.TiffPageSeries) -> tuple[npt.NDArray[Any],
             raise job.error(f"page {page_number} of {len(series.pages)} is missing; the file is damaged.")
         array[number] = one.asarray()
     return array.reshape((*numbers.shape, *page.shape)), kept
+
+
+def _is_cut_off(file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> bool:
+    """Whether the chain of pages leads beyond the end of the file while pixels of the series are missing."""
+    stream, tiff = file.filehandle, file.tiff
+    if series.dataoffset is not None and series.dataoffset + series.nbytes <= stream.size:
+        return False
+    last = file.pages[-1]
+    stream.seek(last.offset)
+    (count,) = struct.unpack(tiff.tagnoformat, stream.read(tiff.tagnosize))
+    stream.seek(last.offset + tiff.tagnosize + count * tiff.tagsize)
+    following = stream.read(tiff.offsetsize)
+    return len(following) < tiff.offsetsize or struct.unpack(tiff.offsetformat, following)[0] >= stream.size
 
 
 def _meaning(job: Job, axes: str) -> str:

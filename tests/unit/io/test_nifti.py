@@ -77,7 +77,9 @@ def test_the_qform_is_taken_when_there_is_no_sform(tmp_path):
     image.set_qform(affine_of(4, mirrored=True), code=1)
     image.set_sform(None, code=0)
     nibabel.save(image, tmp_path / "q.nii")
-    np.testing.assert_allclose(load(tmp_path / "q.nii").index_to_world, LPS @ affine_of(4, mirrored=True), atol=1e-5)
+    np.testing.assert_allclose(
+        load(tmp_path / "q.nii").index_to_world, LPS @ affine_of(4, mirrored=True), atol=1e-5
+    )
 
 
 @given(seed=st.integers(0, 10_000), mirrored=st.booleans())
@@ -133,24 +135,26 @@ def test_lengths_are_given_in_millimetres(tmp_path, unit, factor):
 
 
 def test_micrometres_come_out_as_in_itk(tmp_path):
-    import SimpleITK as sitk
+    import SimpleITK
 
     image = nibabel.Nifti1Image(scalars(), affine_of(2))
     image.header.set_xyzt_units("micron")
     nibabel.save(image, tmp_path / "u.nii")
-    assert load(tmp_path / "u.nii").spacing == pytest.approx(sitk.ReadImage(str(tmp_path / "u.nii")).GetSpacing())
+    assert load(tmp_path / "u.nii").spacing == pytest.approx(
+        SimpleITK.ReadImage(str(tmp_path / "u.nii")).GetSpacing()
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_geometry_equals_what_simpleitk_reads(tmp_path, seed):
-    import SimpleITK as sitk
+    import SimpleITK
 
     path = save(tmp_path / "s.nii.gz", scalars(), affine_of(seed, mirrored=bool(seed % 2)))
-    image, volume = sitk.ReadImage(str(path)), load(path)
+    image, volume = SimpleITK.ReadImage(str(path)), load(path)
     np.testing.assert_allclose(volume.origin, image.GetOrigin(), atol=1e-4)
     np.testing.assert_allclose(volume.spacing, image.GetSpacing(), rtol=1e-5)
     np.testing.assert_allclose(volume.direction.ravel(), image.GetDirection(), atol=1e-5)
-    np.testing.assert_array_equal(volume.array, sitk.GetArrayFromImage(image))
+    np.testing.assert_array_equal(volume.array, SimpleITK.GetArrayFromImage(image))
 
 
 def scaled(path: Path, array: np.ndarray, slope: float, intercept: float) -> Path:
@@ -175,7 +179,9 @@ def scaled(path: Path, array: np.ndarray, slope: float, intercept: float) -> Pat
         ("float64", 2.0, 1.0, "float64"),
     ],
 )
-def test_stored_values_are_scaled_in_the_smallest_type_that_holds_them(tmp_path, dtype, slope, intercept, expected):
+def test_stored_values_are_scaled_in_the_smallest_type_that_holds_them(
+    tmp_path, dtype, slope, intercept, expected
+):
     array = scalars((5, 6, 7), dtype)
     volume = load(scaled(tmp_path / "s.nii", array, slope, intercept))
     plain = slope == 0 or np.isnan(slope)

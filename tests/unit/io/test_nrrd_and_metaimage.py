@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import SimpleITK as sitk
+import SimpleITK
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -56,11 +56,11 @@ def test_colours_are_shown_as_brightness_and_one_component_can_be_chosen(tmp_pat
 @pytest.mark.parametrize("compressed", [False, True])
 def test_one_time_point_of_four_dimensions_is_taken(tmp_path, suffix, compressed):
     array = scalars((3, 4, 5, 6))
-    image = sitk.GetImageFromArray(array, isVector=False)
+    image = SimpleITK.GetImageFromArray(array, isVector=False)
     image.SetSpacing((0.5, 0.6, 0.7, 2.0))
     image.SetOrigin((1, 2, 3, 0))
     path = tmp_path / f"t{suffix}"
-    sitk.WriteImage(image, str(path), compressed)
+    SimpleITK.WriteImage(image, str(path), compressed)
     volume = load(path, time=1)
     np.testing.assert_array_equal(volume.array, array[1])
     np.testing.assert_allclose(volume.spacing, (0.5, 0.6, 0.7))
@@ -102,7 +102,9 @@ def test_every_nrrd_encoding_and_byte_order_is_read(tmp_path, encoding, end):
 )
 def test_every_nrrd_space_is_turned_to_lps(tmp_path, space, signs):
     directions = "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)"
-    path = nrrd(tmp_path / "v.nrrd", f"{BASE}encoding: raw\nendian: little\nspace: {space}\n{directions}", bytes(48))
+    path = nrrd(
+        tmp_path / "v.nrrd", f"{BASE}encoding: raw\nendian: little\nspace: {space}\n{directions}", bytes(48)
+    )
     volume = load(path)
     np.testing.assert_array_equal(volume.direction, np.diag(signs))
     np.testing.assert_array_equal(volume.origin, np.multiply((10, 20, 30), signs))
@@ -122,7 +124,9 @@ def test_a_nrrd_with_its_components_first_is_read(tmp_path, kind):
         "type: uchar\ndimension: 4\nsizes: 3 4 3 2\nencoding: raw\n"
         f"kinds: {kind} domain domain domain\nspace: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)"
     )
-    np.testing.assert_array_equal(load(nrrd(tmp_path / "v.nrrd", lines, array.tobytes()), channel=1).array, array[..., 1])
+    np.testing.assert_array_equal(
+        load(nrrd(tmp_path / "v.nrrd", lines, array.tobytes()), channel=1).array, array[..., 1]
+    )
 
 
 def test_a_nrrd_with_a_list_of_volumes_last_is_read(tmp_path):
@@ -145,7 +149,9 @@ def test_values_beside_the_header_may_be_skipped_to_listed_or_numbered(tmp_path)
     for n in range(2):
         (tmp_path / f"part{n + 1:03d}.raw").write_bytes(array[n].tobytes())
     nrrd(tmp_path / "numbered.nhdr", f"{head}data file: part%03d.raw 1 2 1 2")
-    (tmp_path / "listed.nhdr").write_bytes(f"NRRD0004\n{head}data file: LIST 2\npart001.raw\npart002.raw\n".encode())
+    (tmp_path / "listed.nhdr").write_bytes(
+        f"NRRD0004\n{head}data file: LIST 2\npart001.raw\npart002.raw\n".encode()
+    )
     for name in ("skip", "end", "numbered", "listed"):
         np.testing.assert_array_equal(load(tmp_path / f"{name}.nhdr").array, array, err_msg=name)
 
@@ -180,7 +186,7 @@ def test_metaimages_in_parts_in_text_and_in_big_endian_are_read(tmp_path):
 def test_the_rows_of_a_metaimage_matrix_are_axes(tmp_path):
     lines = "TransformMatrix = 0 1 0 0 0 1 1 0 0\nElementSpacing = 2 3 4\nElementType = MET_UCHAR\n"
     path = meta(tmp_path / "v.mha", f"{lines}ElementDataFile = LOCAL\n", bytes(24))
-    np.testing.assert_array_equal(load(path).direction.ravel(), sitk.ReadImage(str(path)).GetDirection())
+    np.testing.assert_array_equal(load(path).direction.ravel(), SimpleITK.ReadImage(str(path)).GetDirection())
     np.testing.assert_array_equal(load(path).direction[:, 0], (0, 1, 0))
 
 

@@ -25,7 +25,11 @@ TYPES = ["uint8", "int8", "int16", "uint16", "int32", "uint32", "int64", "float3
 )
 @FAST
 def test_a_numpy_file_comes_back_in_any_order_and_type(tmp_path, dtype, shape, fortran):
-    array = (scalars(shape, "uint8") > 99) if dtype == "bool" else scalars(shape, np.dtype(dtype).str).astype(dtype)
+    array = (
+        (scalars(shape, "uint8") > 99)
+        if dtype == "bool"
+        else scalars(shape, np.dtype(dtype).str).astype(dtype)
+    )
     np.save(tmp_path / "v.npy", np.asfortranarray(array) if fortran else array)
     volume = load(tmp_path / "v.npy")
     np.testing.assert_array_equal(volume.array, array)
@@ -49,7 +53,10 @@ def test_numpy_files_that_hold_no_volume_are_refused_in_words(tmp_path):
         "object": (np.array([{}, {}]), "object"),
         "text": (np.full((3, 3, 3), "a"), "cannot be shown"),
         "plane": (np.zeros((3, 3)), "2 axes"),
-        "flat": (np.zeros((1, 50, 50), np.uint8), "at least 2 voxels along every axis, this one has 50 x 50 x 1"),
+        "flat": (
+            np.zeros((1, 50, 50), np.uint8),
+            "at least 2 voxels along every axis, this one has 50 x 50 x 1",
+        ),
     }
     for name, (array, words) in cases.items():
         np.save(tmp_path / f"{name}.npy", array, allow_pickle=True)
@@ -73,7 +80,9 @@ def test_numpy_files_that_hold_no_volume_are_refused_in_words(tmp_path):
 def test_a_raw_file_comes_back_by_its_hints(tmp_path, dtype, endian, header, shape, packed):
     array = scalars(shape, dtype)
     path = tmp_path / ("v.raw.gz" if packed else "v.raw")
-    data = b"h" * header + array.astype(array.dtype.newbyteorder("<" if endian == "little" else ">")).tobytes()
+    data = (
+        b"h" * header + array.astype(array.dtype.newbyteorder("<" if endian == "little" else ">")).tobytes()
+    )
     path.write_bytes(gzip.compress(data) if packed else data)
     volume = load(path, dims=shape[::-1], dtype=dtype, endian=endian, header=header, spacing=(1, 2, 3))
     np.testing.assert_array_equal(volume.array, array)
@@ -110,7 +119,9 @@ def test_a_raw_file_with_a_telling_name_needs_no_hints_and_hints_win(tmp_path):
 def test_a_raw_file_can_begin_at_its_end(tmp_path):
     array = scalars((4, 3, 2), "uint16")
     (tmp_path / "v.raw").write_bytes(b"any header" + array.tobytes())
-    np.testing.assert_array_equal(load(tmp_path / "v.raw", dims=(2, 3, 4), dtype="uint16", header=-1).array, array)
+    np.testing.assert_array_equal(
+        load(tmp_path / "v.raw", dims=(2, 3, 4), dtype="uint16", header=-1).array, array
+    )
     notes = load(tmp_path / "v.raw", dims=(2, 3, 4), dtype="uint16").metadata["notes"]
     assert any("10 bytes longer" in note for note in notes)
 

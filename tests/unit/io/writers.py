@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import SimpleITK as sitk
+import SimpleITK
 
 SPACING = (0.7, 1.1, 2.3)
 ORIGIN = (-12.5, 30.25, 7.0)
@@ -32,15 +32,17 @@ def scalars(shape: tuple[int, ...] = (5, 7, 9), dtype: str = "int16", seed: int 
     return rng.integers(limits.min, limits.max, shape, dtype=kind.newbyteorder("="), endpoint=True)
 
 
-def itk(path: Path, array: np.ndarray, *, direction: Any = None, compressed: bool = False, **more: Any) -> Path:
+def itk(
+    path: Path, array: np.ndarray, *, direction: Any = None, compressed: bool = False, **more: Any
+) -> Path:
     """Whatever SimpleITK writes: NIfTI, NRRD, MetaImage, VTK."""
-    image = sitk.GetImageFromArray(array, isVector=more.get("vector", False))
+    image = SimpleITK.GetImageFromArray(array, isVector=more.get("vector", False))
     if image.GetDimension() == 3:
         image.SetSpacing(more.get("spacing", SPACING))
         image.SetOrigin(more.get("origin", ORIGIN))
         if direction is not None:
             image.SetDirection(np.asarray(direction).ravel().tolist())
-    sitk.WriteImage(image, str(path), compressed)
+    SimpleITK.WriteImage(image, str(path), compressed)
     return path
 
 
