@@ -1,0 +1,32 @@
+"""Half-angle slicing: volumetric light and shadow."""
+
+from __future__ import annotations
+
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.half_angle.settings import DISPLAYS, HalfAngleSettings
+from volviz.custom_gl.techniques.half_angle.technique import HalfAngle
+
+TECHNIQUE = TechniqueInfo(
+    id="half_angle",
+    label="Half-angle slicing",
+    summary="Slices half-way between view and light carry the light through the volume: volumetric shadows.",
+    settings=HalfAngleSettings,
+    create=HalfAngle,
+    handles=("light",),
+    displays=DISPLAYS,
+    classic={
+        "slices": 256,
+        "density_threshold": 0.1,
+        "attenuation_color": (0.1, 0.2, 0.3),
+        "ambient": 0.0,
+        "light_blend": "over",
+        "light_buffer_precision": "float16",
+    },
+    inert={
+        "diffuse": "acts with shading",
+        "specular": "acts with shading",
+        "shininess": "acts with shading",
+        "gradient_delta": "acts with shading or gradient opacity",
+    },
+    order=60,
+)
