@@ -320,8 +320,10 @@ class TransferEditor(QWidget):
         name = function.name if function is not None else ""
         known = presets()
         label = known[name].label if name in known else self.tr("Automatic") if name == "auto" else name
-        label = f"{label or self.tr('Presets')} ▾"
-        label = self.preset_button.fontMetrics().elidedText(label, Qt.TextElideMode.ElideRight, 130)
+        label = self.preset_button.fontMetrics().elidedText(
+            label or self.tr("Presets"), Qt.TextElideMode.ElideRight, 124
+        )
+        label = f"{label} ▾"
         if self.preset_button.text() != label:
             self.preset_button.setText(label)
 

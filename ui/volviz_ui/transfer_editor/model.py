@@ -49,9 +49,10 @@ class EditorModel(QObject):
         self._gesture: tuple[str, int] | None = None
         self._gesture_label = ""
         self._selection_before: frozenset[int] = frozenset()
+        self._stop_before: int | None = None
         self._writing = False
         self._shown: TransferFunction | None = None
-        self._lanes: tuple[Lane, Lane] | None = None
+        self._kept_lanes: tuple[TransferFunction, tuple[Lane, Lane]] | None = None
         self._read()
         store.changed.connect(self._on_scene_changed)
 
@@ -93,9 +94,9 @@ class EditorModel(QObject):
         """Colours and opacities of the function, each with the stops it needs."""
         if self._shown is None:
             return (), ()
-        if self._lanes is None:
-            self._lanes = split(self._shown)
-        return self._lanes
+        if self._kept_lanes is None or self._kept_lanes[0] != self._shown:
+            self._kept_lanes = (self._shown, split(self._shown))
+        return self._kept_lanes[1]
 
     @property
     def in_gesture(self) -> bool:
@@ -127,16 +128,14 @@ class EditorModel(QObject):
 
     def apply(self, function: TransferFunction, label: str, selection: Iterable[int] | None = None) -> None:
         """One change, one step of the history (or part of the running gesture)."""
-        self._write(function, self._gesture_label if self._gesture else label)
-        if selection is not None:
-            self.select(selection)
+        self._write(function, self._gesture_label if self._gesture else label, selection)
 
     def begin(self, label: str) -> None:
         """A gesture starts: what follows until `finish` is one step of the history."""
         if self._gesture is not None:
             self.finish()
         self._gesture, self._gesture_label = ("transfer function", next(_numbers)), label
-        self._selection_before = self._selection
+        self._selection_before, self._stop_before = self._selection, self._stop
         self.gesture_started.emit()
 
     def finish(self) -> None:
@@ -156,19 +155,30 @@ class EditorModel(QObject):
             finally:
                 self._writing = False
             self._read()
-            self._selection = frozenset()
-            self.select(self._selection_before)
+            self._selection, self._stop = self._selection_before, self._stop_before
             self.function_changed.emit()
+            self.selection_changed.emit()
             self.gesture_finished.emit()
 
-    def apply_lanes(self, colors: Lane, opacities: Lane, label: str) -> None:
-        """Colours and opacities put together and stored; the lanes keep stops that lie on a straight line."""
-        if self._shown is not None:
-            stop = self._stop
-            self.apply(merged(colors, opacities, self._shown), label)
-            self._lanes = (colors, opacities)
-            self._selection, self._stop = frozenset(), stop
-            self.function_changed.emit()
+    def apply_lanes(self, colors: Lane, opacities: Lane, label: str, stop: int | None = None) -> None:
+        """Colours and opacities put together and stored; the lanes keep stops that lie on a straight line.
+
+        Parameters
+        ----------
+        colors, opacities : tuple of Stop
+            The lanes.
+        label : str
+            What happened.
+        stop : int, optional
+            Stop of the colours to choose; default: the one that is chosen.
+        """
+        if self._shown is None:
+            return
+        function = merged(colors, opacities, self._shown)
+        self._selection, self._stop = frozenset(), self._stop if stop is None else stop
+        self._kept_lanes = (function, (colors, opacities))
+        self._write(function, self._gesture_label if self._gesture else label)
+        self.selection_changed.emit()
 
     # ------------------------------------------------------------------ edits of the chosen points
 
@@ -206,7 +216,7 @@ class EditorModel(QObject):
 
     # ------------------------------------------------------------------ the store
 
-    def _write(self, function: TransferFunction, label: str) -> None:
+    def _write(self, function: TransferFunction, label: str, selection: Iterable[int] | None = None) -> None:
         if self.store.scene.layer is None:
             return
         self._writing = True
@@ -216,8 +226,17 @@ class EditorModel(QObject):
             )
         finally:
             self._writing = False
-        if self._read():
+        changed = self._read()
+        # Before anybody hears of the new function, no index may point beyond it.
+        wanted = self._selection if selection is None else frozenset(selection)
+        chosen = frozenset(i for i in wanted if self._shown is not None and i < len(self._shown.points))
+        stop = self._stop if selection is None else None
+        new_choice = (chosen, stop) != (self._selection, self._stop)
+        self._selection, self._stop = chosen, stop
+        if changed:
             self.function_changed.emit()
+        if new_choice:
+            self.selection_changed.emit()
 
     def _read(self) -> bool:
         layer = self.store.scene.layer
@@ -227,7 +246,7 @@ class EditorModel(QObject):
             function = function.resolved((low, high) if low < high else (low, low + 1.0))
         if function == self._shown:
             return False
-        self._shown, self._lanes = function, None
+        self._shown = function
         return True
 
     def _on_scene_changed(self, _old: Scene, _new: Scene) -> None:
@@ -237,9 +256,8 @@ class EditorModel(QObject):
         if not self._read():
             return
         if self._shown is None or before is None or len(before.points) != len(self._shown.points):
-            self._selection, self._stop = frozenset(), None
-            self.selection_changed.emit()
-        elif self._stop is not None and self._stop >= len(self.lanes[0]):
+            self._selection = frozenset()
+        if self._stop is not None and self._stop >= len(self.lanes[0]):
             self._stop = None
-            self.selection_changed.emit()
         self.function_changed.emit()
+        self.selection_changed.emit()

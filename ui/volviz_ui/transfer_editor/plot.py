@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
@@ -332,8 +333,7 @@ class TransferPlot(QWidget):
         """Add a stop to the colour ramp that leaves it as it looks."""
         colors, opacities = self.model.lanes
         colors, index = with_stop(colors, value)
-        self.model.select_stop(index)
-        self.model.apply_lanes(colors, opacities, self.tr("Add colour"))
+        self.model.apply_lanes(colors, opacities, self.tr("Add colour"), index)
 
     def delete(self) -> None:
         """Remove the chosen points or the chosen stop."""
@@ -404,6 +404,7 @@ class TransferPlot(QWidget):
         if function.opacity < 1.0:
             thin = painting.curve_polygon(places, function, function.opacity)
             painting.paint_curve(painter, places, thin, palette, dashed=True)
+        self._paint_border(painter, places, palette)
         painting.paint_curve(painter, places, self._curve, palette, dashed=False)
         if self._highlight is not None:
             painting.paint_highlight(painter, places, self._highlight, palette)
@@ -418,7 +419,6 @@ class TransferPlot(QWidget):
             under.index if under.part == "stop" else -1, palette,
         )  # fmt: skip
         painting.paint_edges(painter, places, function, palette, self.font())
-        self._paint_border(painter, places, palette)
         if self.band is not None:
             accent = palette.color(QPalette.ColorRole.Highlight)
             painter.setPen(QPen(accent, 1.0))
@@ -438,8 +438,6 @@ class TransferPlot(QWidget):
         counts = self.counter.counts
         if counts is not None:
             step = (self.axis.high - self.axis.low) / max(self.places.plot.width(), 1)
-            import numpy as np
-
             voxels = counts.in_intervals(np.array([value - step / 2, value + step / 2]))[0]
             words.append(self.tr("%1 voxels").replace("%1", f"{round(voxels):,}".replace(",", "\u202f")))
         opacity = float(function.evaluate([value])[0, 3])
