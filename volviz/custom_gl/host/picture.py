@@ -74,10 +74,11 @@ def _write_depth(gpu: Gpu, target: Target, framebuffer: Any) -> None:
     gl = gpu.gl
     program = gpu.programs.get(GLSL / "fullscreen.vert", GLSL / "depth_out.frag")
     program.use_texture("t_picture_depth", target.depth)
-    gl.enable_only(moderngl.DEPTH_TEST)
+    # colours stay by blending: a colour mask does not reach framebuffers that moderngl has only detected
+    gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+    gl.blend_func = (moderngl.ZERO, moderngl.ONE)
     gl.depth_func = "<="
     framebuffer.depth_mask = True
-    framebuffer.color_mask = (False, False, False, False)
     gpu.draw_fullscreen(program)
-    framebuffer.color_mask = (True, True, True, True)
     framebuffer.depth_mask = False
+    gl.depth_func = "<"
