@@ -84,7 +84,8 @@ def add_volume(
     settings : object, optional
         Instance of the technique's settings class, instead of single settings.
     light, clipping : Light, Clipping, optional
-        Shared values; single ones can be given by name.
+        Shared values; single ones can be given by name. Without a word on the light it sits at the eye or, for
+        techniques whose light can be dragged, at its default place beside the volume.
     classic : bool, default: False
         Start from the values of the well-known teaching programs.
     pacer : Pacer, optional
@@ -107,7 +108,9 @@ def add_volume(
         raise InputError(f"add_volume shows a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume.")
     if info.kind != "image":
         raise InputError(f"{technique} shows VTK's own props; use it through volviz.compare.")
-    new_light, new_clipping, own = split_values(values, light or Light(), clipping or Clipping())
+    # techniques with a light to be dragged show little under a light at the eye, which sees no shadow
+    first_light = Light(headlight="light" not in info.handles)
+    new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())
     new_clipping.crop_within(volume.dimensions)
     if settings is None:
         settings = technique_settings(info, own, classic=classic)

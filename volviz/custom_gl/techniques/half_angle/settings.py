@@ -17,7 +17,7 @@ class HalfAngleSettings(ShadingSettings):
     """How light is carried through the volume, slice by slice."""
 
     ambient: float = taken_from(
-        ShadingSettings, "ambient", default=0.15, enabled_by=None,
+        ShadingSettings, "ambient", default=0.25, enabled_by=None,
         tooltip="Share of light that reaches every place, however dark its shadow.",
     )  # fmt: skip
     slices: int | None = parameter(
@@ -113,4 +113,5 @@ class HalfAngleSettings(ShadingSettings):
         "The picture, or what is left of the light behind the last slice.",
         choices=DISPLAYS,
         group="Machinery",
+        cost=Cost.PROGRAM,
     )
