@@ -101,8 +101,7 @@ def settle(app: QApplication) -> None:
 
 def is_complete(window: MainWindow) -> bool:
     """Whether the picture of the present state is there."""
-    status = window.display.status
-    return status is not None and status.complete and not window.display.pacer.is_busy
+    return window.display.is_complete
 
 
 def picture(window: MainWindow) -> np.ndarray:

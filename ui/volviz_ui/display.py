@@ -132,6 +132,13 @@ class Display(QObject):
         """What the host says about the last picture, None without one."""
         return None if self.handle is None else self.handle.status
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether the viewport shows the complete picture of the present scene."""
+        status = self.status
+        waits = self._viewport.awaits_frame or self.pacer.is_busy or self._gestures > 0
+        return status is not None and status.complete and not waits
+
     def complete(self) -> None:
         """Finish the picture now, however long it takes."""
         if self.handle is not None:

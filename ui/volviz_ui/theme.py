@@ -134,7 +134,9 @@ def style_sheet(colors: Colors) -> str:
         width: 13px; height: 13px; border: 1px solid {c.disabled}; border-radius: 3px; background: {c.base};
     }}
     QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {c.accent}; }}
-    QCheckBox::indicator:checked {{ background: {c.accent}; border-color: {c.accent}; image: url("{check}"); }}
+    QCheckBox::indicator:checked {{
+        background: {c.accent}; border-color: {c.accent}; image: url("{check}");
+    }}
     QCheckBox::indicator:disabled {{ border-color: {c.border}; background: {c.panel}; }}
     QCheckBox::indicator:checked:disabled {{ background: {c.disabled}; }}
     QStatusBar {{ background: {c.window}; color: {c.quiet}; }}

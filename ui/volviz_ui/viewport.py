@@ -53,6 +53,7 @@ class Viewport(QtInteractor):
         self.iren.interactor.SetInteractorStyle(None)
         self.light_is_movable = False
         self.frames = 0
+        self.awaits_frame = False
         self._drag: Drag | None = None
         self._last = QPointF()
         self._moving = False
@@ -67,10 +68,12 @@ class Viewport(QtInteractor):
     def render(self, *_args: Any, **_keywords: Any) -> None:
         """Ask for a picture; several requests before the next turn of the event loop are one."""
         if not getattr(self, "_closed", False):
+            self.awaits_frame = True
             self.update()
 
     def paintGL(self) -> None:
         """Draw, and tell those who count or report."""
+        self.awaits_frame = False
         super().paintGL()
         self.frames += 1
         self.frame_drawn.emit()
@@ -113,7 +116,7 @@ class Viewport(QtInteractor):
         # PyVista frames the scene by itself as long as it believes that nobody has set a camera
         self.renderer.camera_set = True
         self.renderer.ResetCameraClippingRange()
-        self.update()
+        self.render()
 
     @property
     def is_moving(self) -> bool:

@@ -22,7 +22,6 @@ from volviz.model.parameters import Parameter
 from volviz_ui.editors.base import Editor, tooltip_of
 from volviz_ui.editors.number import NumberField
 
-
 QWIDGETSIZE_MAX = 16777215
 """Qt's own limit, which PySide6 does not name."""
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 #: The part of the data range around its origin that a logarithmic axis shows linearly.
-LINEAR_PART = 1e-3
+LINEAR_PART = 1e-2
 #: How far beyond the data the view may go, and the smallest part of the data it may show.
 BEYOND, SMALLEST = 1.0, 1e-6
 #: Exponent of the opacity scale that gives small opacities room.
@@ -97,8 +97,7 @@ class ValueAxis:
         reach = (self.data_high - self.data_low) / 6
         low = min(self.data_low, low) if low >= self.data_low - reach else self.data_low
         high = max(self.data_high, high) if high <= self.data_high + reach else self.data_high
-        margin = 0.02 * (high - low)
-        return replace(self, low=low - margin, high=high + margin)
+        return replace(self, low=low, high=high)._window(-0.02, 1.02)  # noqa: SLF001 - of the same class
 
     def toggled(self, logarithmic: bool) -> ValueAxis:
         """The same window on the other scale."""
@@ -108,15 +107,21 @@ class ValueAxis:
         """At most about that many round values within the window, ascending."""
         if not self.logarithmic:
             return round_values(self.low, self.high, most)
-        found: list[float] = []
-        for part in range(most):
-            a, b = self.value(part / most), self.value((part + 1) / most)
-            found.append(_roundest(a, b))
-        spaced: list[float] = []
-        for tick in sorted(set(found)):
-            if not spaced or self.fraction(tick) - self.fraction(spaced[-1]) > 0.6 / most:
-                spaced.append(tick)
-        return spaced
+        reach = max(abs(self.low - self.origin), abs(self.high - self.origin))
+        top = math.floor(math.log10(reach)) if reach > 0 else 0
+        sizes = [m * 10.0**k for k in range(top - 7, top + 1) for m in (1.0, 2.0, 5.0)]
+        shift = 0.0 if self.origin == 0.0 else self.origin
+        candidates = [shift, *(shift + s for s in sizes), *(shift - s for s in sizes)]
+        # the coarsest first: powers of ten, then 5, then 2; each keeps its distance from those already there
+        candidates.sort(
+            key=lambda v: (v != shift, _leading(v - shift) != 1, _leading(v - shift) != 5, -abs(v - shift))
+        )
+        placed: list[tuple[float, float]] = []
+        for value in candidates:
+            place = self.fraction(value)
+            if 0.0 <= place <= 1.0 and all(abs(place - other) >= 0.7 / most for other, _ in placed):
+                placed.append((place, value))
+        return sorted(value for _, value in placed)
 
     def _window(self, first: float, last: float) -> ValueAxis:
         low, high = self.value(first), self.value(last)
@@ -174,12 +179,9 @@ def round_values(low: float, high: float, most: int) -> list[float]:
     return [k * step for k in range(first, last + 1)]
 
 
-def _roundest(low: float, high: float) -> float:
-    """The value with the fewest digits between two values."""
-    if low <= 0.0 <= high:
-        return 0.0
-    rounds = round_values(low, high, 1)
-    return min(rounds, key=lambda v: len(f"{v:.12g}")) if rounds else (low + high) / 2
+def _leading(value: float) -> int:
+    """First digit of a number, 0 of 0."""
+    return 0 if value == 0.0 else round(abs(value) / 10.0 ** math.floor(math.log10(abs(value)) + 1e-9))
 
 
 def value_text(value: float, span: float) -> str:

@@ -105,8 +105,9 @@ def histogram_path(places: Places, counts: Counts, logarithmic: bool) -> QPainte
     plot = places.plot
     columns = max(int(plot.width()), 2)
     limits = places.axis.values(np.arange(columns + 1) / columns)
-    # voxels per unit of value would make the columns of a logarithmic axis differ; voxels per column do not
-    heights = counts.in_intervals(limits)
+    # voxels per unit of value: a peak is as high on a logarithmic axis as on a linear one, only wider
+    span = places.axis.high - places.axis.low
+    heights = counts.in_intervals(limits) / np.diff(limits) * (span / columns)
     if not heights.any():
         return QPainterPath()
     if logarithmic:

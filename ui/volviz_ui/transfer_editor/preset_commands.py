@@ -6,7 +6,7 @@ from dataclasses import asdict, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import QObject, QSize, Qt, Signal
+from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QIcon, QImage, QPixmap
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -37,8 +37,11 @@ if TYPE_CHECKING:
 COLORMAPS = (
     "viridis", "magma", "inferno", "plasma", "cividis", "crameri:batlow", "crameri:lajolla", "cmocean:ice",
     "cmocean:thermal", "cmocean:deep", "colorcet:CET_L3",
-    "gray", "bone", "copper", "hot", "coolwarm", "turbo", "jet",
+    "gray", "bone", "matlab:copper", "hot", "matplotlib:coolwarm", "turbo", "jet",
 )  # fmt: skip
+
+#: Pixels of a colour map's picture in the menu.
+ICON = 32
 
 
 class SaveDialog(QDialog):
@@ -285,8 +288,7 @@ def _plain(settings: Any) -> dict[str, Any] | None:
 def _colormap_icon(name: str) -> QIcon:
     import numpy as np
 
-    row = np.rint(colormap_colors(name, 48) * 255).astype(np.uint8)
-    pixels = np.repeat(row[None], 14, axis=0)
-    pixels = np.ascontiguousarray(pixels)
-    image = QImage(pixels.tobytes(), 48, 14, 3 * 48, QImage.Format.Format_RGB888).copy()
-    return QIcon(QPixmap.fromImage(image).scaled(QSize(48, 14)))
+    row = np.rint(colormap_colors(name, ICON) * 255).astype(np.uint8)
+    pixels = np.ascontiguousarray(np.repeat(row[None], ICON, axis=0))
+    image = QImage(pixels.tobytes(), ICON, ICON, 3 * ICON, QImage.Format.Format_RGB888)
+    return QIcon(QPixmap.fromImage(image))
