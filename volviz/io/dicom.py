@@ -285,13 +285,15 @@ def _pixels(job: Job, item: Slice, *, rescale: bool) -> npt.NDArray[Any]:
         with warnings.catch_warnings(), disable_value_validation():
             warnings.simplefilter("ignore")
             pixels = pydicom.dcmread(item.path, force=True).pixel_array
-    except (RuntimeError, ValueError, AttributeError, KeyError, TypeError, NotImplementedError, EOFError):
+    except OSError:
+        raise
+    except Exception:  # noqa: BLE001 - what damaged pixels raise inside the library and its codecs has no end
         raise job.error("its pixels cannot be decoded; the file is damaged.", item.path) from None
     return rescaled(pixels, item.slope, item.intercept) if rescale else pixels
 
 
 def _decoded(path: Path) -> npt.NDArray[Any] | None:
-    """Compressed pixels through SimpleITK, rescaled by it; None when it cannot (pydicom may know the kind)."""
+    """Compressed pixels through SimpleITK, rescaled by it; None when it cannot decode them."""
     import SimpleITK
 
     # damaged files are answered with an exception; the warnings beside it would only repeat it on the

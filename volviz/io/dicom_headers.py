@@ -120,7 +120,6 @@ def read_header(path: Path) -> Slice | None:
     """
     import pydicom
     from pydicom.config import disable_value_validation
-    from pydicom.errors import InvalidDicomError
 
     with warnings.catch_warnings(), disable_value_validation(), path.open("rb") as stream:
         warnings.simplefilter("ignore")
@@ -129,15 +128,9 @@ def read_header(path: Path) -> Slice | None:
             syntax = getattr(header.file_meta, "TransferSyntaxUID", None)
             compressed = bool(syntax is not None and syntax.is_compressed)
             found = _slice(path, header, compressed=compressed)
-        except (
-            InvalidDicomError,
-            AttributeError,
-            KeyError,
-            ValueError,
-            TypeError,
-            NotImplementedError,
-            OSError,
-        ):
+        except OSError:
+            raise
+        except Exception:  # noqa: BLE001 - what a damaged header raises inside the library has no end
             return None
         # pydicom stops at the tag of the pixel data: 2 + 2 bytes of tag, then VR and length, or the length
         # alone

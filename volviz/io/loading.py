@@ -141,9 +141,7 @@ def _reader_for(job: Job) -> Reader:
     if path.is_dir():
         raise job.error("the folder holds no DICOM slices; choose a folder of DICOM files, or one file.")
     known = ", ".join(reader.name for reader in READERS)
-    raise job.error(
-        f"this is no volume file that can be read; known are {known}; for others give dims= and dtype=."
-    )
+    raise job.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
 
 
 def _by_suffix(path: Path) -> Reader | None:

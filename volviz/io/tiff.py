@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from volviz.errors import InputError
+from volviz.errors import InputError, VolvizError
 from volviz.io.axes import choose, to_zyx
 from volviz.io.geometry import Geometry
 from volviz.io.reader import stem
@@ -51,9 +51,9 @@ def read(job: Job) -> Volume:
             warnings.simplefilter("ignore")
             with tifffile.TiffFile(job.path) as file:
                 return _read(job, file)
-    except InputError:
+    except (VolvizError, OSError, MemoryError):
         raise
-    except (tifffile.TiffFileError, ValueError, RuntimeError, LookupError, TypeError, EOFError, struct.error):
+    except Exception:  # noqa: BLE001 - what a damaged file raises inside the library and its codecs has no end
         raise job.error("this TIFF file is damaged, cut off or of an unusual kind; save it again.") from None
     finally:
         log.setLevel(level)
@@ -131,7 +131,9 @@ def _is_cut_off(file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> boo
     (count,) = struct.unpack(tiff.tagnoformat, stream.read(tiff.tagnosize))
     stream.seek(last.offset + tiff.tagnosize + count * tiff.tagsize)
     following = stream.read(tiff.offsetsize)
-    return len(following) < tiff.offsetsize or struct.unpack(tiff.offsetformat, following)[0] >= stream.size
+    return len(following) < tiff.offsetsize or bool(
+        struct.unpack(tiff.offsetformat, following)[0] >= stream.size
+    )
 
 
 def _meaning(job: Job, axes: str) -> str:

@@ -170,8 +170,9 @@ def test_colours_are_shown_as_brightness(tmp_path):
     rgb = scalars((3, 4, 5, 3), "uint8")
     for n in range(3):
         dicom_slice(
-            folder / f"{n}.dcm", rgb[n, ..., 0], (0, 0, n), SamplesPerPixel=3, PhotometricInterpretation="RGB",
-            PlanarConfiguration=0, PixelData=rgb[n].tobytes(), RescaleSlope=None, RescaleIntercept=None, Modality="OT",
+            folder / f"{n}.dcm", rgb[n, ..., 0], (0, 0, n), Modality="OT", SamplesPerPixel=3,
+            PhotometricInterpretation="RGB", PlanarConfiguration=0, PixelData=rgb[n].tobytes(),
+            RescaleSlope=None, RescaleIntercept=None,
         )  # fmt: skip
     np.testing.assert_allclose(load(folder).array, rgb @ np.array([0.2126, 0.7152, 0.0722]), atol=0.51)
     np.testing.assert_array_equal(load(folder, channel=2).array, rgb[..., 2])

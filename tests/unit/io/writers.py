@@ -56,7 +56,7 @@ def gzipped(path: Path) -> Path:
 def dicom_slice(
     path: Path, pixels: np.ndarray, position: Any, *, orientation: Any = (1, 0, 0, 0, 1, 0), **tags: Any
 ) -> Path:
-    """One uncompressed CT slice; every field of the header that the reader uses can be replaced by a keyword."""
+    """One uncompressed CT slice; keywords replace fields of its header, None removes them."""
     import pydicom
     from pydicom.dataset import FileMetaDataset
     from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
