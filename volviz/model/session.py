@@ -1,0 +1,224 @@
+"""Scenes as JSON: session files, with a schema version and step-wise converters.
+
+A session names its volumes by path and hints; neither arrays nor anything else out of a header is stored.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, cast
+
+from volviz.errors import LoadError, VolvizError
+from volviz.model.camera import Camera
+from volviz.model.clipping import Clipping
+from volviz.model.light import Light
+from volviz.model.parameters import make_settings, parameters_of
+from volviz.model.scene import Layer, Scene, View, VolumeRef
+from volviz.model.transfer_function import TransferFunction
+
+#: Version that this program writes.
+VERSION = 1
+#: Takes the data of a version, gives that of the next one; applied one after another.
+CONVERTERS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {}
+KIND = "volviz session"
+SUFFIX = ".volviz.json"
+
+SettingsOf = Callable[[str], type[Any] | None]
+
+
+def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
+    """Plain data for JSON; `scene_from_dict` gives back an equal scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to describe.
+    folder : Path, optional
+        Where the session will lie: paths of volumes are stored relative to it as well, so that a session may
+        be moved together with its data.
+    """
+    return {
+        "kind": KIND,
+        "version": VERSION,
+        "layers": [_layer_to_dict(layer, folder) for layer in scene.layers],
+        "light": dataclasses.asdict(scene.light),
+        "clipping": dataclasses.asdict(scene.clipping),
+        "background": scene.background,
+        "views": [_view_to_dict(view) for view in scene.views],
+    }
+
+
+def scene_from_dict(data: Any, settings_of: SettingsOf, folder: Path | None = None) -> Scene:
+    """The scene that `scene_to_dict` described.
+
+    Parameters
+    ----------
+    data : object
+        What JSON gave, of any version up to `VERSION`.
+    settings_of : callable
+        Takes the id of a technique, gives its settings class, or None when there is no such technique: then
+        its settings are left out, and a view that draws with it draws by ray casting.
+    folder : Path, optional
+        Where the session lies; a volume that is found relative to it is taken from there.
+
+    Raises
+    ------
+    LoadError
+        Not a session, from a newer program, or damaged.
+    """
+    if not isinstance(data, Mapping) or data.get("kind") != KIND:
+        raise LoadError("this is no VolViz session; open volumes as files and sessions as *.volviz.json.")
+    version = data.get("version")
+    if not isinstance(version, int) or version < 1:
+        raise LoadError("the session does not say which version it has; it is damaged.")
+    if version > VERSION:
+        raise LoadError(
+            f"the session was written by a newer VolViz (version {version} of the format, this program knows "
+            f"{VERSION}); update VolViz to open it."
+        )
+    converted = dict(data)
+    for step in range(version, VERSION):
+        converted = CONVERTERS[step](converted)
+    try:
+        return _scene(converted, settings_of, folder)
+    except VolvizError as error:
+        raise LoadError(f"the session is damaged: {error}") from error
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise LoadError(f"the session is damaged: {type(error).__name__} at {error}.") from error
+
+
+def save_session(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """Write a session; a file that is already there is replaced only when the new one is complete.
+
+    Raises
+    ------
+    LoadError
+        The file cannot be written.
+    """
+    target = Path(path)
+    part = target.with_name(target.name + ".part")
+    try:
+        text = json.dumps(scene_to_dict(scene, target.absolute().parent), indent=1)
+        part.write_text(text + "\n", encoding="utf-8")
+        part.replace(target)
+    except OSError as error:
+        raise LoadError(f"{target.name} cannot be written: {error.strerror or error}.") from error
+
+
+def load_session(path: str | os.PathLike[str], settings_of: SettingsOf) -> Scene:
+    """Read a session file.
+
+    Raises
+    ------
+    LoadError
+        It cannot be read or is no session.
+    """
+    source = Path(path)
+    try:
+        data = json.loads(source.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise LoadError(f"{source.name} cannot be read: {error.strerror or error}.") from error
+    except ValueError as error:
+        raise LoadError(f"{source.name} is no VolViz session; it is not even JSON.") from error
+    return scene_from_dict(data, settings_of, source.absolute().parent)
+
+
+def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
+    ref = layer.volume
+    volume: dict[str, Any] = {"source": ref.source, "hints": dict(ref.hints), "content_id": ref.content_id}
+    if folder is not None and Path(ref.source).is_absolute():
+        with suppress(ValueError):  # another drive on Windows: there is no way from here to there
+            volume["relative"] = Path(os.path.relpath(ref.source, folder)).as_posix()
+    return {
+        "volume": volume,
+        "transfer_function": layer.transfer_function.to_dict(),
+        "name": layer.name,
+        "visible": layer.visible,
+        "channel": layer.channel,
+        "time": layer.time,
+    }
+
+
+def _view_to_dict(view: View) -> dict[str, Any]:
+    settings = {
+        technique: {p.name: getattr(values, p.name) for p in parameters_of(cast("Any", type(values)))}
+        for technique, values in view.settings
+    }
+    camera = None if view.camera is None else dataclasses.asdict(view.camera)
+    return {"technique": view.technique, "settings": settings, "camera": camera}
+
+
+def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -> Scene:
+    light, clipping = data["light"], data["clipping"]
+    position = light["position"]
+    return Scene(
+        layers=tuple(_layer(layer, folder) for layer in data["layers"]),
+        light=Light(
+            bool(light["headlight"]),
+            None if position is None else _numbers(position, 3),
+            _numbers(light["color"], 3),
+        ),
+        clipping=Clipping(clipping["crop"], tuple((tuple(o), tuple(n)) for o, n in clipping["planes"])),
+        background=None if data["background"] is None else _numbers(data["background"], 3),
+        views=tuple(_view(view, settings_of) for view in data["views"]) or (View(),),
+    )
+
+
+def _layer(data: dict[str, Any], folder: Path | None) -> Layer:
+    volume = data["volume"]
+    source = str(volume["source"])
+    if folder is not None and "relative" in volume:
+        beside = Path(os.path.normpath(folder / volume["relative"]))
+        if beside.exists():
+            source = str(beside)
+    hints = tuple((str(k), tuple(v) if isinstance(v, list) else v) for k, v in volume["hints"].items())
+    return Layer(
+        VolumeRef(source, hints, str(volume["content_id"])),
+        TransferFunction.from_dict(data["transfer_function"]),
+        str(data["name"]),
+        bool(data["visible"]),
+        int(data["channel"]),
+        int(data["time"]),
+    )
+
+
+def _view(data: dict[str, Any], settings_of: SettingsOf) -> View:
+    settings = []
+    for technique, values in data["settings"].items():
+        kind: Any = settings_of(technique)
+        if kind is not None:
+            known = {p.name for p in parameters_of(kind)}
+            # a setting that a newer or older program does not have is left at its default
+            kept = {name: value for name, value in values.items() if name in known}
+            settings.append((technique, make_settings(kind, kept, owner=technique)))
+    technique = str(data["technique"])
+    camera = data["camera"]
+    return View(
+        technique if settings_of(technique) is not None else View().technique,
+        tuple(settings),
+        None if camera is None else _camera(camera),
+    )
+
+
+def _camera(data: dict[str, Any]) -> Camera:
+    scale = data["parallel_scale"]
+    return Camera(
+        _numbers(data["position"], 3),
+        _numbers(data["focal_point"], 3),
+        _numbers(data["view_up"], 3),
+        float(data["view_angle"]),
+        bool(data["parallel"]),
+        None if scale is None else float(scale),
+    )
+
+
+def _numbers(values: Any, count: int) -> Any:
+    numbers = tuple(float(v) for v in values)
+    if len(numbers) != count:
+        raise ValueError(f"{count} numbers, got {len(numbers)}")
+    return numbers
