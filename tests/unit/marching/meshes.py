@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,22 @@ METHODS = ("lorensen", "topological", "tetrahedra")
 DTYPES = (
     np.uint8, np.int8, np.uint16, np.int16, np.uint32, np.int32, np.uint64, np.int64, np.float32, np.float64,
 )  # fmt: skip
+
+
+def for_every_case(check: Callable[[int], None]) -> Callable[[], None]:
+    """One test that goes through the 256 cases of a cell, and names the one that fails."""
+
+    def test() -> None:
+        for case in range(256):
+            try:
+                check(case)
+            except AssertionError as error:
+                error.add_note(f"case {case}")
+                raise
+
+    test.__name__ = check.__name__
+    test.__doc__ = check.__doc__
+    return test
 
 
 def lattice(n: int, half: float = 1.0) -> tuple[Array, Array, Array]:

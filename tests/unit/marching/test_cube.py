@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 
 import numpy as np
-import pytest
 
 from volviz.kernels.marching.cube import (
     CUBE_EDGES,
@@ -16,6 +15,8 @@ from volviz.kernels.marching.cube import (
     edge_between,
     share_a_face,
 )
+
+from .meshes import for_every_case
 
 
 def every_decision(case):
@@ -53,7 +54,7 @@ def test_edges_share_a_face_when_all_their_corners_lie_in_one():
             assert share_a_face(i, j) == any(corners <= set(face) for face in FACES)
 
 
-@pytest.mark.parametrize("case", range(256))
+@for_every_case
 def test_loops_pass_every_crossed_edge_once(case):
     crossed = [i for i, edge in enumerate(CUBE_EDGES) if edge.is_crossed(case)]
     for joined in every_decision(case):
@@ -71,7 +72,7 @@ def test_a_single_corner_is_cut_off_with_its_triangle_facing_away():
         assert np.cross(b - a, c - a) @ ((a + b + c) / 3 - corner_position(corner)) > 0
 
 
-@pytest.mark.parametrize("case", range(256))
+@for_every_case
 def test_the_complement_has_the_reversed_loops_when_its_faces_are_decided_the_other_way(case):
     for joined in every_decision(case):
         other = frozenset(ambiguous_faces(case)) - joined

@@ -24,6 +24,7 @@ from volviz.kernels.marching.topology import (
 from volviz.kernels.marching.triangulation import CENTRE, fill_loop, fill_tunnel
 from volviz.kernels.marching.trilinear import INSIDE_TUNNEL, NO_TUNNEL, OUTSIDE_TUNNEL
 
+from .meshes import for_every_case
 from .test_cube import every_decision
 
 TUNNELS = (NO_TUNNEL, INSIDE_TUNNEL, OUTSIDE_TUNNEL)
@@ -50,7 +51,7 @@ def assert_cell_is_manifold(triangles, loops):
             assert not share_a_face(a, b)
 
 
-@pytest.mark.parametrize("case", range(256))
+@for_every_case
 def test_lorensen_cells_are_filled_without_chords_in_faces(case):
     assert_cell_is_manifold(rows_of(lorensen_tables(), case), boundary_loops(case))
 
@@ -70,7 +71,7 @@ def test_the_number_of_triangles_does_not_depend_on_how_the_cell_is_turned():
                 assert counts[turned] == counts[case]
 
 
-@pytest.mark.parametrize("case", range(256))
+@for_every_case
 def test_every_topological_configuration_is_manifold(case):
     for joined in every_decision(case):
         for tunnel in TUNNELS:
@@ -115,7 +116,7 @@ def _is_ambiguous(case):
     return any(True for joined in every_decision(case) if joined)
 
 
-@pytest.mark.parametrize("case", range(256))
+@for_every_case
 def test_tetrahedra_close_inside_the_cell(case):
     tables = tetrahedra_tables()
     directed = sides(rows_of(tables, case))

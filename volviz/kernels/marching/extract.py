@@ -96,7 +96,7 @@ def marching_cubes(
         `cancel` returned True.
     """
     value = _number(isovalue)
-    name = _OTHER_NAMES.get(method, method)
+    name = _OTHER_NAMES.get(str(method), method)
     if name not in METHODS:
         raise InputError(f"method is {method!r}; choose one of {', '.join(map(repr, METHODS))}.")
     if normals not in {"gradient", "flat", None}:

@@ -143,7 +143,7 @@ def _matrix(direction: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
     try:
         matrix = np.array(direction, dtype=np.float64).reshape(3, 3)
     except (TypeError, ValueError):
-        raise InputError(f"direction must be a 3 x 3 matrix, got {direction!r}.") from None
+        raise InputError("direction must be a 3 x 3 matrix of numbers; its columns are the axes.") from None
     if not np.all(np.isfinite(matrix)) or abs(np.linalg.det(matrix)) < 1e-12:
         raise InputError("direction must be a 3 x 3 matrix of finite numbers that can be inverted.")
     return matrix

@@ -128,7 +128,7 @@ def place_vertices(
                         _interpolate(columns, n, isovalue, zs[z], length_z, to_world, vertices, number)
                         if normals.size > 0:
                             _gather_gradients(
-                                slab, plane, dx, dy, dz, places, n, geometry.neighbours, columns
+                                slab, slab_first, z, dx, dy, dz, places, n, geometry.neighbours, columns
                             )
                             _interpolate_normals(columns, n, isovalue, geometry, k, normals, number)
                         number += np.int64(n)
@@ -186,6 +186,7 @@ def _gather(
 @compiled
 def _gather_gradients(
     slab: Array,
+    slab_first: int,
     z: int,
     dx: int,
     dy: int,
@@ -206,7 +207,7 @@ def _gather_gradients(
         first = START_X if end == 0 else END_X
         for i in range(np.uintp(n)):
             x, y = np.uintp(places[i] & _LOW) + ex, np.uintp(places[i] >> 32) + ey
-            a = ez * plane + np.int64(y) * row + np.int64(x)
+            a = (ez - slab_first) * plane + np.int64(y) * row + np.int64(x)
             columns[i + first] = difference(flat, a + low_x[x], a + high_x[x], weight_x[x])
             columns[i + first + CAPACITY] = difference(flat, a + low_y[y], a + high_y[y], weight_y[y])
             columns[i + first + np.uintp(2) * CAPACITY] = difference(flat, a + below, a + above, weight)
