@@ -12,6 +12,7 @@ import pytest
 import volviz
 from tests.render.scenes import camera, function, volume
 from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.host.window_gpu import KEEP_MULTISAMPLING
 from volviz.errors import RenderError, VolvizError
 from volviz.offscreen import apply_camera
 
@@ -58,7 +59,10 @@ def test_the_picture_in_the_window_is_the_picture_of_render() -> None:
 
 @pytest.mark.parametrize("technique", ["raycast", "slicing"])
 @pytest.mark.parametrize("multi_samples", [0, 4])
-def test_opaque_meshes_and_the_volume_occlude_one_another(technique: str, multi_samples: int) -> None:
+def test_opaque_meshes_and_the_volume_occlude_one_another(
+    technique: str, multi_samples: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(KEEP_MULTISAMPLING, "1")
     of = volume()
     eye = np.array(camera(of).position)
     toward = (eye - of.center) / np.linalg.norm(eye - of.center)

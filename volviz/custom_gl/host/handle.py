@@ -14,7 +14,7 @@ from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.frame_uniforms import box_tiles, shared_uniforms
 from volviz.custom_gl.host.hook import Hook
-from volviz.custom_gl.host.pacing import CostModel, FrameStatus, Pacer, Quality, StatusListener
+from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
 from volviz.custom_gl.host.picture import composite
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
 from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
@@ -45,7 +45,7 @@ class _Picture:
 
     key: Any
     target: Target
-    fraction: float
+    level: Level
 
 
 @dataclass
@@ -263,10 +263,10 @@ class VolumeHandle:
             if time.perf_counter() - begin > budget:
                 return False
         key = self._key()
-        if self._picture is not None and self._picture.key == key and self._picture.fraction == 1.0:
+        if self._picture is not None and self._picture.key == key and self._picture.level == FULL:
             return True
         if self._refinement is None or self._refinement.key != key:
-            frame = self._frame(1.0, "full")
+            frame = self._frame(FULL)
             frame.target.clear()
             self._refinement = _Refinement(key, frame, self._plan(frame))
         work = self._refinement
@@ -280,11 +280,11 @@ class VolumeHandle:
             if now - begin > budget:
                 break
         if work.done < work.chunks:
-            shown = self._picture.fraction if self._picture else 0.0
+            shown = self._picture.level.fraction if self._picture else 0.0
             self._report(FrameStatus(shown, work.seconds, False, work.done / work.chunks))
             return False
-        self._picture = _Picture(key, work.frame.target, 1.0)
-        self._cost.observe(1.0, work.seconds)
+        self._picture = _Picture(key, work.frame.target, FULL)
+        self._cost.observe(FULL, work.seconds)
         self._refinement = None
         self._report(FrameStatus(1.0, work.seconds, True, 1.0))
         return True
@@ -319,24 +319,24 @@ class VolumeHandle:
             return
         key = self._key()
         if self._picture is not None and self._picture.key == key:
-            if self._picture.fraction < 1.0 and self.pacer is not None and not self._interacting:
+            if self._picture.level != FULL and self.pacer is not None and not self._interacting:
                 self.pacer.request(self)
             return
         if self.pacer is None:
-            self._draw_at(1.0, key)
+            self._draw_at(FULL, key)
             return
         self._refinement = None
-        fraction = self._cost.fraction(self.quality)
+        level = self._cost.level(self.quality)
         expected = self._cost.full_seconds
         if not self._interacting and expected is not None and expected <= AT_ONCE_SECONDS:
-            fraction = 1.0
-        self._draw_at(fraction, key)
-        if fraction < 1.0 and not self._interacting:
+            level = FULL
+        self._draw_at(level, key)
+        if level != FULL and not self._interacting:
             self.pacer.request(self)
 
-    def _draw_at(self, fraction: float, key: Any) -> None:
+    def _draw_at(self, level: Level, key: Any) -> None:
         begin = time.perf_counter()
-        frame = self._frame(fraction, "full" if fraction == 1.0 else "interactive", tile=AT_ONCE_TILE)
+        frame = self._frame(level, tile=AT_ONCE_TILE)
         frame.target.clear()
         for chunk in range(self._plan(frame)):
             self._draw_chunk(frame, chunk)
@@ -344,9 +344,9 @@ class VolumeHandle:
             # without waiting, only the submission of the work would be timed
             self._gpu.gpu.gl.finish()
         seconds = time.perf_counter() - begin
-        self._cost.observe(fraction, seconds)
-        self._picture = _Picture(key, frame.target, fraction)
-        self._report(FrameStatus(fraction, seconds, fraction == 1.0, 1.0))
+        self._cost.observe(level, seconds)
+        self._picture = _Picture(key, frame.target, level)
+        self._report(FrameStatus(level.fraction, seconds, level == FULL, 1.0))
 
     def _plan(self, frame: Frame) -> int:
         self._clean(frame)
@@ -451,9 +451,10 @@ class VolumeHandle:
         near, far = camera.GetClippingRange()
         return near * far / (far - near), far / (far - near)
 
-    def _frame(self, fraction: float, purpose: str, tile: tuple[int, int] = TILE) -> Frame:
+    def _frame(self, level: Level, tile: tuple[int, int] = TILE) -> Frame:
         width, height, _, _ = self._viewport()
-        size = (max(round(width * fraction), 1), max(round(height * fraction), 1))
+        size = (max(round(width * level.fraction), 1), max(round(height * level.fraction), 1))
+        purpose = "full" if level == FULL else "interactive"
         gpu = self._gpu.gpu
         frame = Frame(
             gpu=gpu,
@@ -471,9 +472,9 @@ class VolumeHandle:
             crop=self._clipping.crop_within(self._volume.dimensions),
             planes=self._clipping.planes,
             scene_depth=self._depth.texture if self._depth_key else None,
-            step_scale=1.0,
+            step_scale=level.step_scale,
             sequence=0,
-            interactive=fraction < 1.0,
+            interactive=level != FULL,
             tiles=(),
             uniforms={},
         )
@@ -502,7 +503,7 @@ class VolumeHandle:
         RenderError
             There is no full picture of the present state.
         """
-        if self._picture is None or self._picture.fraction < 1.0:
+        if self._picture is None or self._picture.level != FULL:
             raise RenderError(
                 "there is no full picture to read: render the plotter first, and let no other render pass (ambient "
                 "occlusion, shadows, SSAA) take the place of the volume's."

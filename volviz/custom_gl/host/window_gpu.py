@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -9,6 +10,10 @@ from typing import Any
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.model.volume import Volume
+
+
+#: Environment variable that leaves multisampling on with software OpenGL.
+KEEP_MULTISAMPLING = "VOLVIZ_KEEP_MULTISAMPLING"
 
 
 class WindowGpu:
@@ -33,7 +38,13 @@ class WindowGpu:
         """Made when first asked for, with the window's context current."""
         if self._gpu is None:
             self._gpu = Gpu()
+            self._switch_multisampling_off()
         return self._gpu
+
+    def _switch_multisampling_off(self) -> None:
+        """Software OpenGL pays for every sample of every pixel, a tenth of a volume's frame time and more."""
+        if self._gpu is not None and self._gpu.limits.software and not os.environ.get(KEEP_MULTISAMPLING):
+            self.window.SetMultiSamples(0)
 
     @property
     def started(self) -> bool:
