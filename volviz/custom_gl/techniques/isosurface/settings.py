@@ -83,11 +83,11 @@ class IsosurfaceSettings:
         0.2, "Ambient", "Light that reaches every place.", group="Lighting", minimum=0.0, maximum=1.0
     )
     diffuse: float = parameter(
-        0.8, "Diffuse", "Light scattered evenly from a lit surface.", group="Lighting", minimum=0.0,
+        0.7, "Diffuse", "Light scattered evenly from a lit surface.", group="Lighting", minimum=0.0,
         maximum=1.0,
     )  # fmt: skip
     specular: float = parameter(
-        0.25, "Specular", "Strength of highlights.", group="Lighting", minimum=0.0, maximum=1.0
+        0.2, "Specular", "Strength of highlights.", group="Lighting", minimum=0.0, maximum=1.0
     )
     shininess: float = parameter(
         40.0, "Shininess", "Exponent of highlights: higher is smaller and sharper.", group="Lighting",
