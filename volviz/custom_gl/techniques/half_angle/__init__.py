@@ -26,7 +26,7 @@ TECHNIQUE = TechniqueInfo(
         "diffuse": "acts with shading",
         "specular": "acts with shading",
         "shininess": "acts with shading",
-        "light_buffer_precision": "half floats differ by less than a level unless hundreds of thin slices add up",
+        "light_buffer_precision": "half floats differ by less than a level unless many thin slices add up",
         "gradient_delta": "acts with shading or gradient opacity",
     },
     order=60,

@@ -1,10 +1,11 @@
 """Where the slices lie and how the light sees the box: arithmetic without OpenGL.
 
-Light and eye are homogeneous world points (x, y, z, w): w = 1 is a place, w = 0 a direction to somewhere infinitely
-far away. The ray from such a point to p has the direction ``w p - (x, y, z)``.
+Light and eye are homogeneous world points (x, y, z, w): w = 1 is a place, w = 0 a direction to somewhere
+infinitely far away. The ray from such a point to p has the direction ``w p - (x, y, z)``.
 
-Slices are perpendicular to a vector half-way between the direction to the light and the view (Kniss et al., "A Model
-for Volume Lighting and Modeling", TVCG 2003), so that one sequence of slices serves eye and light alike.
+Slices are perpendicular to a vector half-way between the direction to the light and the view (Kniss et al.,
+"A Model for Volume Lighting and Modeling", TVCG 2003), so that one sequence of slices serves eye and light
+alike.
 """
 
 from __future__ import annotations
@@ -29,13 +30,13 @@ class Slicing:
     Attributes
     ----------
     half_vector : ndarray of shape (3,)
-        Unit world vector, normal of the slices, pointing to the light's side. Slices are drawn in the order of
-        falling distance along it: away from the light.
+        Unit world vector, normal of the slices, pointing to the light's side. Slices are drawn in the order
+        of falling distance along it: away from the light.
     front_to_back : bool
         Whether that order leads away from the eye too; otherwise it comes nearer.
     exact : bool
-        Every ray of eye and light meets the slices in that order. False for very wide views or lights very close to
-        the box: some rays then mix their samples up.
+        Every ray of eye and light meets the slices in that order. False for very wide views or lights very
+        close to the box: some rays then mix their samples up.
     """
 
     half_vector: Array
@@ -74,8 +75,8 @@ def choose_slicing(view: Array, light: Array, eye_rays: Array, corners: Array) -
     half = unit(to_light - view if front_to_back else to_light + view)
     light_rays = rays_from(light, corners)
     eye_sign = 1.0 if front_to_back else -1.0
-    # A light close to the box sends rays along its face. Slices turned towards the light keep their order, as long
-    # as the eye's rays keep theirs.
+    # A light close to the box sends rays along its face. Slices turned towards the light keep their order, as
+    # long as the eye's rays keep theirs.
     for turn in np.linspace(0.0, 1.0, 11):
         normal = unit((1 - turn) * half + turn * to_light)
         if np.all(light_rays @ normal < 0) and np.all(eye_sign * (eye_rays @ normal) < 0):
@@ -115,8 +116,8 @@ def is_inside(light: Array, corners: Array, world_to_index: Array, low: Array, h
 def light_matrix(light: Array, corners: Array, size: int) -> Array:
     """World to the light's clip space, fitted to a box; clip z is 0.
 
-    The axes of the light's picture follow the box, never a fixed up direction, so a light straight above is like any
-    other.
+    The axes of the light's picture follow the box, never a fixed up direction, so a light straight above is
+    like any other.
 
     Parameters
     ----------

@@ -23,8 +23,8 @@ class HalfAngleSettings(ShadingSettings):
     slices: int | None = parameter(
         None,
         "Slices",
-        "Number of slices through the volume, half-way between view and light; automatic follows the step. The keys "
-        "+ and - change it.",
+        "Number of slices through the volume, half-way between view and light; automatic follows the step. "
+        "The keys + and - change it.",
         kind="int",
         optional=True,
         none_label="from the step",
@@ -33,7 +33,7 @@ class HalfAngleSettings(ShadingSettings):
         logarithmic=True,
         group="Sampling",
     )
-    step: float = taken_from(SamplingSettings, "step", default=1.0)
+    step: float = taken_from(SamplingSettings, "step")
     first_sample: float = taken_from(SamplingSettings, "first_sample")
     opacity_unit_distance: float | None = taken_from(SamplingSettings, "opacity_unit_distance")
     density_threshold: float = taken_from(SamplingSettings, "density_threshold")
@@ -42,16 +42,16 @@ class HalfAngleSettings(ShadingSettings):
     attenuation_color: tuple[float, float, float] = parameter(
         (0.7, 0.85, 1.0),
         "Attenuation",
-        "How strongly red, green and blue light are weakened on their way from the light: 0 passes unhindered, 1 is "
-        "weakened like the view itself. Unequal values colour the shadows.",
+        "How strongly red, green and blue light are weakened on their way from the light: 0 passes "
+        "unhindered, 1 is weakened like the view itself. Unequal values colour the shadows.",
         kind="color",
         group="Light",
     )
     material_tint: float = parameter(
         0.0,
         "Material tint",
-        "How far the colour of a material tints the light that passes through it: at 1 red matter lets red light "
-        "pass and holds back the rest, at 0 only opacity counts.",
+        "How far the colour of a material tints the light that passes through it: at 1 red matter lets red "
+        "light pass and holds back the rest, at 0 only opacity counts.",
         group="Light",
         minimum=0.0,
         maximum=1.0,
@@ -59,8 +59,8 @@ class HalfAngleSettings(ShadingSettings):
     scattering: float = parameter(
         0.0,
         "Forward scattering",
-        "Share of light that comes from all around the straight way from the light: shadows get soft edges and light "
-        "bleeds into them.",
+        "Share of light that comes from all around the straight way from the light: shadows get soft edges "
+        "and light bleeds into them.",
         group="Light",
         minimum=0.0,
         maximum=1.0,
@@ -82,8 +82,8 @@ class HalfAngleSettings(ShadingSettings):
     light_blend: str = parameter(
         "attenuate",
         "Light blending",
-        "Attenuate: each slice takes its share of the light away. Classic: each slice is laid over the light with the "
-        "attenuation as its colour, as the well-known teaching program does; that can add light.",
+        "Attenuate: each slice takes its share of the light away. Classic: each slice is laid over the light "
+        "with the attenuation as its colour, as the well-known teaching program does; that can add light.",
         choices=(("attenuate", "Attenuate"), ("over", "Classic: lay over")),
         group="Machinery",
         cost=Cost.PROGRAM,

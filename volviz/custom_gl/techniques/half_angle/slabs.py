@@ -13,7 +13,13 @@ from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.half_angle.light_path import Array, Slicing, smallest_cosine
 from volviz.custom_gl.techniques.half_angle.settings import MAX_SLICES, MIN_SLICES
 from volviz.kernels.bricks import occupancy, visible_prefix
-from volviz.kernels.slices import box_distance_range, crop_corners, fan_triangles, slab_centres, slice_polygons
+from volviz.kernels.slices import (
+    box_distance_range,
+    crop_corners,
+    fan_triangles,
+    slab_centres,
+    slice_polygons,
+)
 
 Crop = tuple[float, float, float, float, float, float]
 
@@ -21,8 +27,8 @@ Crop = tuple[float, float, float, float, float, float]
 class Slabs:
     """Triangles of slices in the order away from the light, in texture coordinates.
 
-    The polygons lie in the middle of their slabs and are a little larger than the box: a ray that crosses only a
-    corner of a slab meets its polygon too, and the shader finds how much of the slab it crosses.
+    The polygons lie in the middle of their slabs and are a little larger than the box: a ray that crosses
+    only a corner of a slab meets its polygon too, and the shader finds how much of the slab it crosses.
 
     Attributes
     ----------
@@ -69,7 +75,7 @@ class Slabs:
         eye_rays, light_rays : ndarray of shape (N, 3)
             Extreme rays, which say how far a slab reaches beside its polygon.
         eye_inside : bool
-            The eye is in the box: a border of two slabs then goes through it, so that no slab is half behind it.
+            The eye is in the box: a border of two slabs then goes through it, so that none is half behind it.
         """
         low, high = box_distance_range(frame.box_corners, -slicing.half_vector)
         step = frame.step_world * max(abs(float(view @ slicing.half_vector)), 0.5)
@@ -79,7 +85,7 @@ class Slabs:
             count = max(count // 2, min(count, 2 * MIN_SLICES))
         thickness = (high - low) / count
         if eye_inside:
-            low -= -(frame.camera.eye @ -slicing.half_vector - low) % thickness
+            low -= float((low + frame.camera.eye @ slicing.half_vector) % thickness)
             count += 1
             high = low + count * thickness
         cosine = min(smallest_cosine(slicing.half_vector, rays) for rays in (eye_rays, light_rays))

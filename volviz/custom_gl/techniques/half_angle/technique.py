@@ -32,7 +32,9 @@ _FRONT_TO_BACK = (moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE)
 _BACK_TO_FRONT = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 _ATTENUATE = (moderngl.ZERO, moderngl.SRC_COLOR)
 
-INSIDE = "The light is inside the volume, where half-angle slicing cannot work; it shines from the eye meanwhile."
+INSIDE = (
+    "The light is inside the volume, where half-angle slicing cannot work; it shines from the eye meanwhile."
+)
 INEXACT = "Light or eye are so close to the volume that some rays meet the slices in the wrong order; move them away."
 
 
@@ -91,7 +93,8 @@ class HalfAngle:
             self._slicing = Slicing(-view, True, True)
         else:
             light_rays = rays_from(light, corners)
-            view = camera.direction if self._eye_inside else unit(rays_from(eye, corners.mean(axis=0)[None])[0])
+            center = corners.mean(axis=0)
+            view = camera.direction if self._eye_inside else unit(rays_from(eye, center[None])[0])
             self._slicing = choose_slicing(view, light, eye_rays, corners)
         if not self._slicing.exact:
             self.notice = INEXACT
@@ -148,7 +151,7 @@ class HalfAngle:
         gl = frame.gpu.gl
         buffer = self._light_buffer(frame)
         classic = frame.settings.light_blend == "over"
-        # with the eye inside, rays begin on the near plane, which may lie between a slab's face and its polygon
+        # with the eye inside, rays begin on the near plane, perhaps between a slab's face and its polygon
         inside = {"EYE_INSIDE": self._eye_inside, "CLIPS_DEPTH": not self._eye_inside}
         scattering = frame.settings.scattering > 0
         eye = self._program(frame, "eye.frag", {"CLASSIC_LIGHT": classic, "SCATTERING": scattering} | inside)
@@ -187,8 +190,10 @@ class HalfAngle:
         return max(round(size * frame.size[1] / frame.window_size[1]), 32) if frame.interactive else size
 
     def _light_buffer(self, frame: Frame) -> Target:
-        """Square, linear filter. The box's picture leaves its outermost pixels white, so that clamped look-ups
-        beside it find white, as a white border colour would give.
+        """Light that is left after the slices so far, with linear filter.
+
+        The box's picture leaves the outermost pixels white, so that clamped look-ups beside it find white, as
+        a white border colour would give.
         """
         size = self._buffer_size(frame)
         target = frame.gpu.targets.get(
