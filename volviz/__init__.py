@@ -46,10 +46,11 @@ _PUBLIC = {
     "techniques": "volviz.api",
 }
 
-# only environment variables are set here; they are read when VTK, Qt or numba are imported, by us or by the caller
+# only environment variables are set here; they are read when VTK, Qt or numba are imported, by us or by the
+# caller
 _prepare()
 
-__all__ = ["__version__", *sorted(_PUBLIC)]
+__all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - the keys are strings
 
 
 def __getattr__(name: str) -> Any:

@@ -24,7 +24,9 @@ def presets() -> dict[str, Preset]:
     return bundled()
 
 
-def show(volume: Volume, technique: str = "raycast", *, transfer_function: Any = None, **settings: Any) -> Any:
+def show(
+    volume: Volume, technique: str = "raycast", *, transfer_function: Any = None, **settings: Any
+) -> Any:
     """Show a volume: as a PyVista scene in a notebook, in a window elsewhere.
 
     Parameters

@@ -78,7 +78,9 @@ def _open_window(arguments: Sequence[str]) -> int:
         from pathlib import Path
 
         if not Path(arguments[0]).expanduser().exists():
-            raise VolvizError(f"{arguments[0]}: there is no such file, folder or command; volviz --help lists commands.")
+            raise VolvizError(
+                f"{arguments[0]}: there is no such file, folder or command; volviz --help lists commands."
+            )
     if not display_answers():
         raise VolvizError(
             "there is no display to open a window on; set DISPLAY, or draw pictures without one by "
@@ -91,4 +93,4 @@ def _open_window(arguments: Sequence[str]) -> int:
 
 
 def _say(sentence: str) -> None:
-    print(f"volviz: {sentence}", file=sys.stderr)  # noqa: T201
+    print(f"volviz: {sentence}", file=sys.stderr)

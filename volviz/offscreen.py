@@ -24,7 +24,9 @@ MAX_SIZE = 16384
 DEFAULT_AZIMUTH, DEFAULT_ELEVATION = -30.0, 15.0
 
 
-def default_camera(volume: Volume, size: tuple[int, int], azimuth: float = 0.0, elevation: float = 0.0) -> Camera:
+def default_camera(
+    volume: Volume, size: tuple[int, int], azimuth: float = 0.0, elevation: float = 0.0
+) -> Camera:
     """A camera that sees the whole volume, from the front, a little to the side and above.
 
     Parameters
@@ -70,7 +72,8 @@ def render(
     size : tuple of 2 ints, default: (800, 600)
         Width and height in pixels, 1..16384.
     camera : Camera or triple, optional
-        A `volviz.Camera`, or position, focal point and view up as PyVista writes them (view angle 30 degrees).
+        A `volviz.Camera`, or position, focal point and view up as PyVista writes them (view angle 30
+        degrees).
     background : colour, optional
         Three floats 0..1 or a colour name makes the picture opaque; None gives straight alpha.
     dtype : {"uint8", "float32"}
@@ -118,7 +121,8 @@ def finished(
     picture = np.concatenate([rgb, alpha], axis=-1)
     if dtype == "float32":
         return picture.astype(np.float32)
-    return np.rint(np.clip(picture, 0.0, 1.0) * 255.0).astype(np.uint8)
+    pixels: npt.NDArray[np.uint8] = np.rint(np.clip(picture, 0.0, 1.0) * 255.0).astype(np.uint8)
+    return pixels
 
 
 def apply_camera(target: Any, camera: Camera) -> None:
@@ -137,16 +141,19 @@ def _draw(
     from volviz.custom_gl.host import add_volume
     from volviz.custom_gl.host.vtk_border import pyvista
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=size)
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     handle: VolumeHandle | None = None
     try:
-        plotter.render_window.SetMultiSamples(0)
+        window = plotter.render_window
+        assert window is not None
+        window.SetMultiSamples(0)
         handle = add_volume(plotter, volume, technique, **arguments)
         apply_camera(plotter.camera, camera)
         plotter.reset_camera_clipping_range()
         plotter.show(auto_close=False, interactive=False)
         handle.raise_error()
-        return handle.read_picture()
+        picture: npt.NDArray[np.float32] = handle.read_picture()
+        return picture
     finally:
         if handle is not None:
             handle.remove()
@@ -172,7 +179,9 @@ def _checked_background(background: Sequence[float] | str | None) -> tuple[float
         try:
             r, g, b = pyvista.Color(background).float_rgb
         except ValueError:
-            raise InputError(f"background {background!r} is no colour; use a name, #rrggbb or three floats.") from None
+            raise InputError(
+                f"background {background!r} is no colour; use a name, #rrggbb or three floats."
+            ) from None
         return r, g, b
     try:
         r, g, b = (float(c) for c in background)
@@ -181,4 +190,3 @@ def _checked_background(background: Sequence[float] | str | None) -> tuple[float
     if not all(0.0 <= c <= 1.0 for c in (r, g, b)):
         raise InputError(f"background must be three numbers between 0 and 1, got {background!r}.")
     return r, g, b
-

@@ -99,8 +99,12 @@ def test_a_technique_is_a_folder_with_a_readme_and_described_settings(technique:
     assert dataclasses.is_dataclass(info.settings)
     assert info.settings.__dataclass_params__.frozen
     names = {p.name for p in info.parameters}
-    assert names == {field.name for field in dataclasses.fields(info.settings)}, "a setting has no description"
-    assert not names & {p.name for p in parameters_of(SharedSettings)}, "light and clipping belong to the scene"
+    assert names == {field.name for field in dataclasses.fields(info.settings)}, (
+        "a setting has no description"
+    )
+    assert not names & {p.name for p in parameters_of(SharedSettings)}, (
+        "light and clipping belong to the scene"
+    )
     assert set(info.inert) <= names
     for p in info.parameters:
         assert p.label, p.name
@@ -256,9 +260,7 @@ def test_vtk_draws_as_before_after_the_technique_was_there(technique: str) -> No
         on.handle.remove()
         on.window.add_mesh(pyvista.Sphere(radius=12.0, center=on.volume.center), color="orange")
         before = on.window.screenshot(return_img=True)
-        handle = volviz.add_volume(
-            on.window, on.volume, technique, transfer_function=function(on.volume)
-        )
+        handle = volviz.add_volume(on.window, on.volume, technique, transfer_function=function(on.volume))
         on.window.render()
         handle.raise_error()
         handle.remove()

@@ -39,7 +39,9 @@ def blobs(
     for _ in range(6):
         c = random.uniform(-0.5, 0.5, 3)
         r = random.uniform(0.2, 0.5)
-        field += random.uniform(0.4, 1) * np.exp(-((z - c[0]) ** 2 + (y - c[1]) ** 2 + (x - c[2]) ** 2) / r**2)
+        field += random.uniform(0.4, 1) * np.exp(
+            -((z - c[0]) ** 2 + (y - c[1]) ** 2 + (x - c[2]) ** 2) / r**2
+        )
     field /= field.max()
     if np.issubdtype(dtype, np.integer):
         info = np.iinfo(dtype)
@@ -59,7 +61,9 @@ def function(of: volviz.Volume, points: Any = None) -> volviz.TransferFunction:
     return relative.resolved(of.range)
 
 
-def camera(of: volviz.Volume, azimuth: float = 25.0, elevation: float = 20.0, **changes: Any) -> volviz.Camera:
+def camera(
+    of: volviz.Volume, azimuth: float = 25.0, elevation: float = 20.0, **changes: Any
+) -> volviz.Camera:
     """A camera that sees all of a volume from an angle that is no symmetry of it."""
     return replace(volviz.Camera.fit(of.corners).turned(azimuth, elevation), **changes)
 

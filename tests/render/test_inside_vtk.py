@@ -37,7 +37,9 @@ def shot(window: Any) -> Any:
 
 
 def opaque_function(of: volviz.Volume) -> volviz.TransferFunction:
-    return function(of, [(0.0, (0, 1, 0, 0.0)), (0.3, (0, 1, 0, 0.0)), (0.35, (0, 1, 0, 0.9)), (1.0, (0, 1, 0, 0.9))])
+    return function(
+        of, [(0.0, (0, 1, 0, 0.0)), (0.3, (0, 1, 0, 0.0)), (0.35, (0, 1, 0, 0.9)), (1.0, (0, 1, 0, 0.9))]
+    )
 
 
 def place(window: Any, of: volviz.Volume) -> None:
@@ -52,7 +54,9 @@ def test_the_picture_in_the_window_is_the_picture_of_render() -> None:
         place(window, of)
         in_window = shot(window)
         handle.remove()
-    alone = volviz.render(of, transfer_function=function(of), size=SIZE, camera=camera(of), background="black")
+    alone = volviz.render(
+        of, transfer_function=function(of), size=SIZE, camera=camera(of), background="black"
+    )
     assert alone[..., :3].max() > 50
     assert np.abs(in_window - alone[..., :3]).max() <= 2
 
@@ -93,7 +97,11 @@ def test_opaque_meshes_and_the_volume_occlude_one_another(
 def test_a_plane_through_the_volume_cuts_the_picture_where_it_lies() -> None:
     of = volume()
     with plotter() as window:
-        window.add_mesh(pyvista.Plane(center=of.center, direction=(0.2, 1.0, 0.1), i_size=60, j_size=60), color="white", lighting=False)
+        window.add_mesh(
+            pyvista.Plane(center=of.center, direction=(0.2, 1.0, 0.1), i_size=60, j_size=60),
+            color="white",
+            lighting=False,
+        )
         handle = volviz.add_volume(window, of, transfer_function=opaque_function(of))
         place(window, of)
         cut = shot(window)
@@ -162,7 +170,9 @@ def test_a_resized_window_shows_the_picture_at_the_new_size() -> None:
         window.render()
         resized = shot(window)
         handle.remove()
-    exact = volviz.render(of, transfer_function=function(of), size=(220, 100), camera=camera(of), background="black")
+    exact = volviz.render(
+        of, transfer_function=function(of), size=(220, 100), camera=camera(of), background="black"
+    )
     assert resized.shape == (100, 220, 3)
     assert np.abs(resized - exact[..., :3]).max() <= 2
 
@@ -264,8 +274,12 @@ def test_a_tiled_export_is_the_large_picture() -> None:
         grab.ReadFrontBufferOff()
         grab.Update()
         width, height, _ = grab.GetOutput().GetDimensions()
-        tiled = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(height, width, -1)[::-1, :, :3]
+        tiled = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(height, width, -1)[
+            ::-1, :, :3
+        ]
         handle.remove()
-    exact = volviz.render(of, transfer_function=function(of), size=(width, height), camera=camera(of), background="black")
+    exact = volviz.render(
+        of, transfer_function=function(of), size=(width, height), camera=camera(of), background="black"
+    )
     assert (width, height) == (320, 240)
     assert np.abs(tiled.astype(float) - exact[..., :3]).mean() < 1.0

@@ -28,9 +28,7 @@ MAX_ERROR, MEAN_ERROR = 2 / 255, 0.5 / 255
 RAMP = [(0.0, (0.2, 0.2, 0.6, 0.15)), (0.3, (0.2, 1.0, 0.4, 0.5)), (1.0, (1.0, 0.2, 0.1, 0.9))]
 
 
-def assert_like_the_oracle(
-    of: volviz.Volume, view: volviz.Camera, points: Any = None, **values: Any
-) -> None:
+def assert_like_the_oracle(of: volviz.Volume, view: volviz.Camera, points: Any = None, **values: Any) -> None:
     transfer = function(of, points)
     ours, exact = picture(of, transfer, view, **values), oracle(of, transfer, view, **values)
     difference = np.abs(ours - exact)
@@ -167,7 +165,12 @@ def test_a_continuous_transfer_function_converges_with_the_second_order() -> Non
 
 def test_a_transfer_function_with_jumps_converges_with_the_first_order() -> None:
     of = volume(np.float32)
-    jump = [(0.0, (1, 1, 1, 0.0)), (0.45, (1, 1, 1, 0.0)), (0.45, (1, 0.5, 0.1, 0.3)), (1.0, (1, 0.2, 0.1, 0.3))]
+    jump = [
+        (0.0, (1, 1, 1, 0.0)),
+        (0.45, (1, 1, 1, 0.0)),
+        (0.45, (1, 0.5, 0.1, 0.3)),
+        (1.0, (1, 0.2, 0.1, 0.3)),
+    ]
     assert slope_of_error(of, function(of, jump)) == pytest.approx(1.0, abs=0.3)
 
 

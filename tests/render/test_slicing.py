@@ -68,7 +68,8 @@ def test_a_homogeneous_box_is_right_within_one_slice_for_every_ray() -> None:
 def test_the_density_of_the_picture_does_not_depend_on_the_number_of_slices() -> None:
     of = volume(np.float32)
     few, many = (
-        picture(of, function(of), camera(of), technique_id="slicing", slices=n)[..., 3].mean() for n in (64, 512)
+        picture(of, function(of), camera(of), technique_id="slicing", slices=n)[..., 3].mean()
+        for n in (64, 512)
     )
     assert few == pytest.approx(many, rel=0.02)
 

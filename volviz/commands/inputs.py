@@ -42,7 +42,7 @@ def hints_of(options: argparse.Namespace) -> dict[str, Any]:
     return hints
 
 
-def numbers(text: str, name: str, kind: type[int] | type[float]) -> tuple[Any, ...]:
+def numbers(text: str, name: str, kind: type[int | float]) -> tuple[Any, ...]:
     """Numbers separated by commas or x."""
     try:
         return tuple(kind(part) for part in text.lower().replace("x", ",").split(","))

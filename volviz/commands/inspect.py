@@ -11,7 +11,9 @@ from volviz.commands.inputs import add_input, hints_of, source_of
 
 def add_commands(commands: Any) -> None:
     """Add the commands of this file."""
-    info = commands.add_parser("info", help="what a file holds", description="Reads a file and says what it holds.")
+    info = commands.add_parser(
+        "info", help="what a file holds", description="Reads a file and says what it holds."
+    )
     add_input(info)
     info.add_argument("--json", action="store_true", help="as JSON")
     info.set_defaults(run=run_info)
@@ -141,8 +143,11 @@ def _technique(info: Any) -> dict[str, Any]:
 
 
 def _plain(sample: Any) -> dict[str, Any]:
-    return {name: getattr(sample, name) for name in ("id", "label", "description", "licence", "source", "modality")}
+    return {
+        name: getattr(sample, name)
+        for name in ("id", "label", "description", "licence", "source", "modality")
+    }
 
 
 def _say(text: str) -> None:
-    print(text)  # noqa: T201
+    print(text)

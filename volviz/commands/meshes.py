@@ -17,14 +17,24 @@ def add_commands(commands: Any) -> None:
         description="Extracts the surface of one value by marching cubes or tetrahedra, in world coordinates.",
     )  # fmt: skip
     add_input(isosurface)
-    isosurface.add_argument("--isovalue", type=float, required=True, help="value of the surface, in data units")
+    isosurface.add_argument(
+        "--isovalue", type=float, required=True, help="value of the surface, in data units"
+    )
     isosurface.add_argument("--method", choices=("lorensen", "topological", "tetrahedra"), default="lorensen")
     isosurface.add_argument("--stride", type=int, default=1, metavar="VOXELS", help="take every n-th voxel")
-    isosurface.add_argument("--largest-part", action="store_true", help="keep the largest connected part only")
-    isosurface.add_argument("--min-triangles", type=int, default=0, metavar="N", help="drop parts with fewer triangles")
+    isosurface.add_argument(
+        "--largest-part", action="store_true", help="keep the largest connected part only"
+    )
+    isosurface.add_argument(
+        "--min-triangles", type=int, default=0, metavar="N", help="drop parts with fewer triangles"
+    )
     isosurface.add_argument("--smooth", type=int, default=0, metavar="N", help="smoothing iterations")
-    isosurface.add_argument("--decimate", type=float, default=0.0, metavar="SHARE", help="triangles to remove, 0..1")
-    isosurface.add_argument("-o", "--output", required=True, metavar="FILE", help=".stl, .ply, .obj, .vtp, .gltf, .glb")
+    isosurface.add_argument(
+        "--decimate", type=float, default=0.0, metavar="SHARE", help="triangles to remove, 0..1"
+    )
+    isosurface.add_argument(
+        "-o", "--output", required=True, metavar="FILE", help=".stl, .ply, .obj, .vtp, .gltf, .glb"
+    )
     isosurface.set_defaults(run=run_isosurface)
 
     crosscheck = commands.add_parser(
@@ -32,7 +42,9 @@ def add_commands(commands: Any) -> None:
         description="Compares our marching cubes with vtkMarchingCubes and vtkFlyingEdges3D, with times.",
     )  # fmt: skip
     add_input(crosscheck)
-    crosscheck.add_argument("--isovalue", type=float, required=True, help="value of the surface, in data units")
+    crosscheck.add_argument(
+        "--isovalue", type=float, required=True, help="value of the surface, in data units"
+    )
     crosscheck.set_defaults(run=run_crosscheck)
 
 
@@ -69,4 +81,4 @@ def run_crosscheck(options: argparse.Namespace) -> int:
 
 
 def _say(text: str) -> None:
-    print(text)  # noqa: T201
+    print(text)

@@ -24,17 +24,25 @@ OPAQUE_SUFFIXES = (".jpg", ".jpeg", ".bmp")
 def add_commands(commands: Any) -> None:
     """Add ``render``."""
     parser = commands.add_parser(
-        "render", help="draw a volume into a picture file", description="Draws a volume off-screen into a file."
+        "render",
+        help="draw a volume into a picture file",
+        description="Draws a volume off-screen into a file.",
     )
     add_input(parser, optional=True)
-    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy; a "
-                        "folder with --all-techniques")  # fmt: skip
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
+                        " a folder with --all-techniques")  # fmt: skip
     parser.add_argument("-t", "--technique", default="raycast", metavar="ID", help="see volviz techniques")
-    parser.add_argument("--all-techniques", action="store_true", help="draw with every technique into a folder")
+    parser.add_argument(
+        "--all-techniques", action="store_true", help="draw with every technique into a folder"
+    )
     parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
-    parser.add_argument("--transfer-function", metavar="FILE", help="transfer function from a file (JSON, .vp, .dat)")
+    parser.add_argument(
+        "--transfer-function", metavar="FILE", help="transfer function from a file (JSON, .vp, .dat)"
+    )
     parser.add_argument("--size", default="800x600", metavar="WxH", help="in pixels (default 800x600)")
-    parser.add_argument("--azimuth", type=float, default=0.0, metavar="DEG", help="turn about the upright axis")
+    parser.add_argument(
+        "--azimuth", type=float, default=0.0, metavar="DEG", help="turn about the upright axis"
+    )
     parser.add_argument("--elevation", type=float, default=0.0, metavar="DEG", help="turn above the horizon")
     parser.add_argument("--zoom", type=float, default=1.0, metavar="FACTOR", help="above 1 comes nearer")
     parser.add_argument("--parallel", action="store_true", help="parallel projection")
@@ -42,7 +50,7 @@ def add_commands(commands: Any) -> None:
         "--background", default="black", metavar="COLOUR", help='name, #rrggbb or "none" for transparency'
     )
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
-                        help="a setting of the technique, the light, the crop box or clip planes; can be repeated")  # fmt: skip
+                        help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
     parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
     parser.set_defaults(run=run)
 
@@ -65,7 +73,9 @@ def run(options: argparse.Namespace) -> int:
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"{output}: the folder cannot be made ({error.strerror}); choose another one.") from None
+        raise InputError(
+            f"{output}: the folder cannot be made ({error.strerror}); choose another one."
+        ) from None
     for info in techniques().values():
         if info.kind == "image":
             values = parse_values(info, options.values, lenient=True)
@@ -90,7 +100,9 @@ def draw(
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
     camera = default_camera(volume, size, options.azimuth, options.elevation)
-    camera = replace(camera, view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0), parallel=options.parallel)
+    camera = replace(
+        camera, view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0), parallel=options.parallel
+    )
     transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
     begin = time.perf_counter()
     picture = render(
@@ -101,7 +113,7 @@ def draw(
     )  # fmt: skip
     seconds = time.perf_counter() - begin
     save_picture(picture, output)
-    print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")  # noqa: T201
+    print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -161,7 +173,7 @@ def check_output(output: Path) -> None:
     """Refuse what cannot be written before minutes are spent on drawing it."""
     if output.suffix.lower() not in (*PICTURE_SUFFIXES, ".npy"):
         raise InputError(
-            f"{output}: pictures are written as {', '.join((*PICTURE_SUFFIXES, '.npy'))}; give -o such a name."
+            f"{output}: pictures end in {', '.join((*PICTURE_SUFFIXES, '.npy'))}; give -o such a name."
         )
     if not output.absolute().parent.is_dir():
         raise InputError(f"{output}: there is no folder {output.absolute().parent}; make it first.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib.metadata import entry_points
 
 from volviz.custom_gl.technique import TechniqueInfo
@@ -33,7 +33,7 @@ def techniques() -> dict[str, TechniqueInfo]:
     return {info.id: info for info in sorted(found, key=lambda info: (info.order, info.id))}
 
 
-@lru_cache(maxsize=None)
+@cache
 def technique(technique_id: str) -> TechniqueInfo:
     """The technique of that id; of our own ones only its folder is imported.
 

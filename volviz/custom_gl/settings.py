@@ -25,7 +25,10 @@ class SharedSettings:
     """Values of the scene that every technique obeys; in the window they have panels of their own."""
 
     headlight: bool = parameter(
-        True, "Headlight", "The light sits at the eye. Off: it stays where it was put in the scene.", group="Light"
+        True,
+        "Headlight",
+        "The light sits at the eye. Off: it stays where it was put in the scene.",
+        group="Light",
     )
     light_position: tuple[float, float, float] | None = parameter(
         None,
@@ -114,7 +117,7 @@ class SamplingSettings:
     attenuation: float = parameter(
         1.0,
         "Attenuation",
-        "Attenuated maximum: how quickly structures behind bright ones fade (per opacity unit distance of full intensity).",
+        "Attenuated maximum: how quickly structures behind bright ones fade, per opacity unit distance.",
         group="Sampling",
         minimum=0.0,
         maximum=50.0,

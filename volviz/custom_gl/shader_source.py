@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 from volviz.errors import ShaderError
@@ -48,7 +48,7 @@ class ShaderText:
         return None, 0
 
 
-@lru_cache(maxsize=None)
+@cache
 def _read(path: Path, _modified: int) -> tuple[str, ...]:
     return tuple(path.read_text(encoding="utf-8").splitlines())
 
@@ -142,5 +142,7 @@ def _find(path: Path, line: int, match: re.Match[str], hooks: Mapping[str, str |
         if candidate.is_file():
             return candidate
     raise ShaderError(
-        f"{path.name}, line {line}: there is no file {candidates[0].name} to include.", file=path.name, line=line
+        f"{path.name}, line {line}: there is no file {candidates[0].name} to include.",
+        file=path.name,
+        line=line,
     )

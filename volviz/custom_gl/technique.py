@@ -182,7 +182,8 @@ class Frame:
         """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
         i0, i1, j0, j1, k0, k1 = self.crop
         index = np.array(
-            [[(i0, i1)[c & 1], (j0, j1)[c >> 1 & 1], (k0, k1)[c >> 2 & 1]] for c in range(8)], dtype=np.float64
+            [[(i0, i1)[c & 1], (j0, j1)[c >> 1 & 1], (k0, k1)[c >> 2 & 1]] for c in range(8)],
+            dtype=np.float64,
         )
         matrix = self.volume.index_to_world
         return np.asarray(index @ matrix[:3, :3].T + matrix[:3, 3])

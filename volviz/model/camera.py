@@ -27,8 +27,8 @@ class Camera:
     parallel : bool
         Parallel projection instead of perspective.
     parallel_scale : float or None
-        Half the height of the view in world units (parallel projection); None derives it from the view angle at
-        the focal point.
+        Half the height of the view in world units (parallel projection); None derives it from the view angle
+        at the focal point.
     """
 
     position: Vector
@@ -67,7 +67,7 @@ class Camera:
         return self.distance * float(np.tan(np.radians(self.view_angle) / 2))
 
     def turned(self, azimuth: float = 0.0, elevation: float = 0.0) -> Camera:
-        """The camera moved around the focal point, in degrees; azimuth about the up vector, then elevation."""
+        """The camera moved around the focal point, in degrees: azimuth about view up, then elevation."""
         offset = np.subtract(self.position, self.focal_point)
         up = np.asarray(self.view_up) / np.linalg.norm(self.view_up)
         offset = _rotation(up, azimuth) @ offset

@@ -87,7 +87,7 @@ def checked_planes(planes: Sequence[Sequence[Sequence[float]]]) -> tuple[Plane, 
             result.append(((ox, oy, oz), (nx / length, ny / length, nz / length)))
     except (TypeError, ValueError):
         raise InputError(
-            f"clip_planes must be pairs ((x, y, z), (nx, ny, nz)) with a normal that is not zero, got {planes!r}."
+            f"clip_planes must be pairs ((x, y, z), (nx, ny, nz)), the normal not zero, got {planes!r}."
         ) from None
     if len(result) > MAX_PLANES:
         raise InputError(f"at most {MAX_PLANES} clip planes can be used at once, got {len(result)}.")

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import lru_cache
-from typing import Any, Literal, TypeVar
+from functools import cache
+from typing import Any, Literal, TypeVar, cast
 
 from volviz.errors import SettingError
 
-Kind = Literal["float", "int", "bool", "choice", "color", "vector", "crop", "planes", "floats", "colors", "path"]
+Kind = Literal[
+    "float", "int", "bool", "choice", "color", "vector", "crop", "planes", "floats", "colors", "path"
+]
 
 S = TypeVar("S")
 
@@ -40,8 +42,8 @@ class Parameter:
     name : str
         Keyword of `volviz.render`, field of the settings class.
     kind : str
-        One of "float", "int", "bool", "choice", "color" (3 floats 0..1), "vector" (3 floats), "crop" (6 floats),
-        "planes", "floats" (tuple of floats), "colors" (tuple of colours), "path".
+        One of "float", "int", "bool", "choice", "color" (3 floats 0..1), "vector" (3 floats), "crop" (6
+        floats), "planes", "floats" (tuple of floats), "colors" (tuple of colours), "path".
     default : object
         Value when nothing is said; None only when `optional`.
     label, tooltip, unit, group : str
@@ -100,7 +102,7 @@ class Parameter:
             raise SettingError(f"{self.name} must be {self._expected()}, got {value!r}.") from None
 
     def parse(self, text: str) -> Any:
-        """The value written as `text`, as after ``--set name=``: numbers, ``true``, ``none``, lists with commas."""
+        """The value written as `text` after ``--set name=``: numbers, ``true``, ``none``, lists."""
         text = text.strip()
         if self.optional and text.lower() in ("none", "auto", ""):
             return None
@@ -238,14 +240,18 @@ def _kind_of(default: Any) -> Kind:
     raise TypeError(f"the kind of a setting with the default {default!r} must be named")
 
 
-@lru_cache(maxsize=None)
-def parameters_of(settings: type[Any]) -> tuple[Parameter, ...]:
-    """The described settings of a settings class, in the order of its fields."""
+@cache
+def _described(settings: Hashable) -> tuple[Parameter, ...]:
     return tuple(
         Parameter(name=field.name, **field.metadata["parameter"])
-        for field in dataclasses.fields(settings)
+        for field in dataclasses.fields(settings)  # type: ignore[arg-type]
         if "parameter" in field.metadata
     )
+
+
+def parameters_of(settings: type[Any]) -> tuple[Parameter, ...]:
+    """The described settings of a settings class, in the order of its fields."""
+    return _described(cast(Hashable, settings))
 
 
 def make_settings(settings: type[S], values: Mapping[str, Any], *, owner: str) -> S:

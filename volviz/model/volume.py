@@ -170,9 +170,11 @@ class Volume:
         """The 8 world corners of the box, shape (8, 3); bit 0 of the row number is x, bit 1 y, bit 2 z."""
         last = np.asarray(self.dimensions) - 1
         bits = np.array([[c & 1, c >> 1 & 1, c >> 2 & 1] for c in range(8)])
-        corners = (bits * last) @ self.index_to_world[:3, :3].T + self.index_to_world[:3, 3]
+        corners: npt.NDArray[np.float64] = (bits * last).astype(np.float64) @ self.index_to_world[
+            :3, :3
+        ].T + self.index_to_world[:3, 3]
         corners.flags.writeable = False
-        return np.asarray(corners)
+        return corners
 
     @property
     def bounds(self) -> tuple[float, float, float, float, float, float]:

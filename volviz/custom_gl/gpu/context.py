@@ -39,16 +39,18 @@ class Limits:
 class Gpu:
     """Resources of one OpenGL context, made for the context that is current.
 
-    moderngl keeps a process-wide default context; this object keeps the one that belongs to *its* OpenGL context and
-    never asks for the default again.
+    moderngl keeps a process-wide default context; this object keeps the one that belongs to *its* OpenGL
+    context and never asks for the default again.
     """
 
     def __init__(self) -> None:
         try:
             moderngl.init_context()
             self.gl: Any = moderngl.get_context()
-        except Exception as error:
-            raise RenderError(f"OpenGL 3.3 is needed to draw, and this system has none that works: {error}.") from None
+        except Exception as error:  # noqa: BLE001 - moderngl raises plain ones
+            raise RenderError(
+                f"OpenGL 3.3 is needed to draw, and this system has none that works: {error}."
+            ) from None
         info = self.gl.info
         self.limits = Limits(
             vendor=str(info["GL_VENDOR"]),
@@ -60,7 +62,7 @@ class Gpu:
         )
         if self.gl.version_code < 330:
             raise RenderError(
-                f"OpenGL 3.3 is needed to draw, this system offers {self.limits.version}; update the graphics driver."
+                f"OpenGL 3.3 is needed, this system has {self.limits.version}; update the graphics driver."
             )
         self.programs = ProgramCache(self.gl)
         self.targets = TargetPool(self.gl)
@@ -78,8 +80,8 @@ class Gpu:
     def filters_bytes_precisely(self) -> bool:
         """Whether linear filtering between two bytes gives more than the bytes' own 256 steps.
 
-        A strip is drawn from a two-texel texture with the neighbouring values 100 and 110 and compared with exact
-        interpolation.
+        A strip is drawn from a two-texel texture with the neighbouring values 100 and 110 and compared with
+        exact interpolation.
         """
         texture = self.gl.texture3d((2, 1, 1), 1, bytes([100, 110]), alignment=1)
         texture.repeat_x = texture.repeat_y = texture.repeat_z = False
@@ -127,7 +129,9 @@ class Gpu:
     def table_texture(self, table: npt.NDArray[np.float32]) -> Any:
         """A linear, clamped RGBA32F texture from an array of shape (H, W, 4)."""
         height, width, _ = table.shape
-        texture = self.gl.texture((width, height), 4, np.ascontiguousarray(table, np.float32).tobytes(), dtype="f4")
+        texture = self.gl.texture(
+            (width, height), 4, np.ascontiguousarray(table, np.float32).tobytes(), dtype="f4"
+        )
         texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         texture.repeat_x = texture.repeat_y = False
         self.uploads += 1

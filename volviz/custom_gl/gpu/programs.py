@@ -29,7 +29,7 @@ class Program:
     def __init__(self, context: Any, vertex: ShaderText, fragment: ShaderText, label: str) -> None:
         try:
             self.gl = context.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
-        except Exception as error:  # moderngl raises its own Error, a plain Exception
+        except Exception as error:  # noqa: BLE001 - moderngl raises plain ones
             raise _shader_error(str(error), vertex, fragment, label) from None
         self.label = label
         self._members = {name: self.gl[name] for name in self.gl}

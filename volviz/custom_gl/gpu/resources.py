@@ -101,7 +101,7 @@ class VolumeResources:
         return self._cached(self._tables, "table per length", (transfer_function, length), make)
 
     def preintegrated(self, transfer_function: TransferFunction, size: int, threshold: float) -> Any:
-        """Premultiplied colour and opacity of segments one unit distance long, by their ends' scalars, size x size."""
+        """Premultiplied colour and opacity of segments one unit distance long, by their ends' scalars."""
         from volviz.kernels.preintegration import preintegration_table
 
         def make() -> Any:
@@ -127,7 +127,7 @@ class VolumeResources:
     # ------------------------------------------------------------------ empty space
 
     def visible_distance(self, transfer_function: TransferFunction, threshold: float) -> Any:
-        """Chessboard distances in bricks to the nearest brick in which the transfer function shows something."""
+        """Empty-space field for what the transfer function shows."""
 
         def make() -> Any:
             table = self._baked(transfer_function)
@@ -141,7 +141,7 @@ class VolumeResources:
         return self._cached(self._distances, "visible", (transfer_function, threshold), make)
 
     def isovalue_distance(self, isovalues: Sequence[float]) -> Any:
-        """Chessboard distances in bricks to the nearest brick that a surface of these isovalues (data units) crosses."""
+        """Empty-space field for surfaces of these isovalues (data units)."""
         key = tuple(float(v) for v in isovalues)
 
         def make() -> Any:
@@ -163,7 +163,7 @@ class VolumeResources:
 
     @property
     def gradient_scale(self) -> float:
-        """Gradient from which on gradient opacity takes nothing away: a quarter of the range per mean spacing."""
+        """From this gradient on nothing is taken away: a quarter of the range per mean spacing."""
         return 0.25 / self.volume.mean_spacing
 
     # ------------------------------------------------------------------ binding
@@ -178,10 +178,14 @@ class VolumeResources:
             frame.scene_depth.use(units["t_scene_depth"])
         if "t_preintegrated" in units:
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
-            program.use_texture("t_preintegrated", self.preintegrated(frame.transfer_function, size, _threshold(frame)))
+            program.use_texture(
+                "t_preintegrated", self.preintegrated(frame.transfer_function, size, _threshold(frame))
+            )
             program.set({"u_preintegrated_map": ((size - 1) / size, 0.5 / size)})
         if "t_distance" in units:
-            program.use_texture("t_distance", self.visible_distance(frame.transfer_function, _threshold(frame)))
+            program.use_texture(
+                "t_distance", self.visible_distance(frame.transfer_function, _threshold(frame))
+            )
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""

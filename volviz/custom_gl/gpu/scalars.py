@@ -1,8 +1,8 @@
-"""Scalars of a volume as texels: format, mapping to fractions of the range, reduced levels. NumPy only, no GPU.
+"""Scalars of a volume as texels: format, mapping to fractions of the range, reduced levels; NumPy only.
 
-Shaders see scalars as fractions 0..1 of the data range. Eight-bit textures are used only where the GPU filters them
-precisely (`volviz.custom_gl.gpu.context.Gpu.filters_bytes_precisely`): software rasterisers filter them to 8 bits,
-which ruins gradients and isosurfaces.
+Shaders see scalars as fractions 0..1 of the data range. Eight-bit textures are used only where the GPU
+filters them precisely (`volviz.custom_gl.gpu.context.Gpu.filters_bytes_precisely`): software rasterisers
+filter them to 8 bits, which ruins gradients and isosurfaces.
 """
 
 from __future__ import annotations
@@ -66,7 +66,9 @@ class Bricks:
 
 _lock = Lock()
 _bricks: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
-_texels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], Texels]] = weakref.WeakKeyDictionary()
+_texels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], Texels]] = (
+    weakref.WeakKeyDictionary()
+)
 
 
 def bricks_of(volume: Volume) -> Bricks:
@@ -84,8 +86,8 @@ def bricks_of(volume: Volume) -> Bricks:
 def choose_format(dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool) -> Format:
     """Texel format for scalars of a type.
 
-    Software rasterisers filter float32 fastest, as long as memory allows it; graphics cards get the smallest format
-    that loses nothing.
+    Software rasterisers filter float32 fastest, as long as memory allows it; graphics cards get the smallest
+    format that loses nothing.
     """
     if dtype.kind == "f" or dtype.itemsize > 2:
         return "f4"
@@ -162,7 +164,9 @@ def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> 
                 else:
                     out[z] = np.clip(np.rint(plane - low), 0, 65535).astype(np.uint16)
             else:
-                fraction = np.subtract(plane, low, dtype=np.float64 if plane.dtype.itemsize > 4 else np.float32)
+                fraction = np.subtract(
+                    plane, low, dtype=np.float64 if plane.dtype.itemsize > 4 else np.float32
+                )
                 fraction *= 1.0 / span
                 if plane.dtype.kind == "f":
                     fraction[~np.isfinite(plane)] = 0.0
@@ -172,7 +176,9 @@ def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> 
     return Texels(out, scale, offset, factor)
 
 
-def _block_means(array: npt.NDArray[Any], factor: tuple[int, int, int], lowest: float) -> npt.NDArray[np.float32]:
+def _block_means(
+    array: npt.NDArray[Any], factor: tuple[int, int, int], lowest: float
+) -> npt.NDArray[np.float32]:
     """Means over blocks of voxels; a last, partial block is filled by repeating the edge."""
     fx, fy, fz = factor
     z, y, x = array.shape

@@ -20,7 +20,9 @@ class Target:
         Both of them.
     """
 
-    def __init__(self, context: Any, size: tuple[int, int], *, depth: bool = True, half: bool = False) -> None:
+    def __init__(
+        self, context: Any, size: tuple[int, int], *, depth: bool = True, half: bool = False
+    ) -> None:
         self.size = size
         self.color = context.texture(size, 4, dtype="f2" if half else "f4")
         self.color.filter = (context.NEAREST, context.NEAREST)

@@ -84,14 +84,16 @@ def add_volume(
     settings : object, optional
         Instance of the technique's settings class, instead of single settings.
     light, clipping : Light, Clipping, optional
-        Shared values; single ones can be given by name. Without a word on the light it sits at the eye or, for
-        techniques whose light can be dragged, at its default place beside the volume.
+        Shared values; single ones can be given by name. Without a word on the light it sits at the eye or,
+        for techniques whose light can be dragged, at its default place beside the volume.
     classic : bool, default: False
         Start from the values of the well-known teaching programs.
     pacer : Pacer, optional
-        For windows with an event loop: full pictures come piece by piece. Without one every render is complete.
+        For windows with an event loop: full pictures come piece by piece. Without one every render is
+        complete.
     **values
-        Single settings by name, `headlight`, `light_position`, `light_color`, `crop` and `clip_planes` included.
+        Single settings by name, `headlight`, `light_position`, `light_color`, `crop` and `clip_planes`
+        included.
 
     Returns
     -------
@@ -105,7 +107,9 @@ def add_volume(
     """
     info = technique_info(technique)
     if not isinstance(volume, Volume):
-        raise InputError(f"add_volume shows a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume.")
+        raise InputError(
+            f"add_volume shows a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume."
+        )
     if info.kind != "image":
         raise InputError(f"{technique} shows VTK's own props; use it through volviz.compare.")
     # techniques with a light to be dragged show little under a light at the eye, which sees no shadow
@@ -118,6 +122,4 @@ def add_volume(
         raise InputError(f"give either settings or single values ({', '.join(own)}), not both.")
     if transfer_function is None:
         transfer_function = TransferFunction.auto(volume)
-    return VolumeHandle(
-        plotter, volume, info, transfer_function, settings, new_light, new_clipping, pacer
-    )
+    return VolumeHandle(plotter, volume, info, transfer_function, settings, new_light, new_clipping, pacer)

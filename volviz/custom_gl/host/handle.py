@@ -27,8 +27,8 @@ from volviz.model.parameters import make_settings
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
-#: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that all of
-#: its threads have work, and short enough to be interrupted.
+#: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that
+#: all of its threads have work, and short enough to be interrupted.
 TILE = (256, 64)
 #: Pictures that are not interrupted are drawn in one piece.
 AT_ONCE_TILE = (16384, 16384)
@@ -242,7 +242,8 @@ class VolumeHandle:
         Returns
         -------
         bool
-            True when the full picture is ready (render the plotter once to see it) or when there is nothing to do.
+            True when the full picture is ready (render the plotter once to see it) or when there is nothing
+            to do.
         """
         if self._removed or self._interacting or self.error is not None:
             return True
@@ -250,7 +251,7 @@ class VolumeHandle:
         try:
             with self._gpu.foreign():
                 return self._refine(budget)
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - kept in `error`, VTK would swallow it
             self._fail(error)
             return True
 
@@ -301,11 +302,11 @@ class VolumeHandle:
                 try:
                     if self.error is None:
                         self._draw_what_is_due()
-                except Exception as error:
+                except Exception as error:  # noqa: BLE001 - kept in `error`, VTK would swallow it
                     self._fail(error)
                 self._show(framebuffer)
                 # not released: that would delete VTK's own framebuffer (moderngl collects nothing by itself)
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - kept in `error`, VTK would swallow it
             self._fail(error)
 
     def _draw_what_is_due(self) -> None:
@@ -399,7 +400,7 @@ class VolumeHandle:
     # ------------------------------------------------------------------ the frame
 
     def _viewport(self) -> tuple[int, int, int, int]:
-        """Width, height and origin x, y of the renderer in the framebuffer; right for tiled export as well."""
+        """Width, height and origin x, y of the renderer in the framebuffer, tiled or not."""
         # GetTiledSizeAndOrigin cannot be called from Python: the same arithmetic here
         viewport, tile = self.renderer.GetViewport(), self.window.GetTileViewport()
         size = self.window.GetSize()
@@ -409,7 +410,9 @@ class VolumeHandle:
 
     def _camera(self) -> FrameCamera:
         camera = self.renderer.GetActiveCamera()
-        view = np.array([camera.GetModelViewTransformMatrix().GetElement(i, j) for i in range(4) for j in range(4)])
+        view = np.array(
+            [camera.GetModelViewTransformMatrix().GetElement(i, j) for i in range(4) for j in range(4)]
+        )
         matrix = camera.GetProjectionTransformMatrix(self.renderer.GetTiledAspectRatio(), -1, 1)
         projection = np.array([matrix.GetElement(i, j) for i in range(4) for j in range(4)])
         return FrameCamera(
@@ -505,7 +508,7 @@ class VolumeHandle:
         """
         if self._picture is None or self._picture.level != FULL:
             raise RenderError(
-                "there is no full picture to read: render the plotter first, and let no other render pass (ambient "
+                "there is no full picture to read: render the plotter first, and let no other pass (ambient "
                 "occlusion, shadows, SSAA) take the place of the volume's."
             )
         self.window.MakeCurrent()
@@ -527,7 +530,9 @@ class VolumeHandle:
         _HOOK_ACTORS.discard(id(self._hook.actor))
         _HANDLES.remove(self)
         last = not any(other.renderer is self.renderer for other in _HANDLES)
-        alive = self._gpu.started and bool(self.window.GetInitialized() if hasattr(self.window, "GetInitialized") else 1)
+        alive = self._gpu.started and bool(
+            self.window.GetInitialized() if hasattr(self.window, "GetInitialized") else 1
+        )
         if alive and self.plotter.render_window is not None:
             self.window.MakeCurrent()
             self._release()

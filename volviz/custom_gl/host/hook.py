@@ -1,9 +1,9 @@
 """How our drawing gets its turn in VTK's frame: a render pass and an invisible actor.
 
-VTK's Python classes cannot be subclassed as render passes. Instead the renderer gets a `vtkRenderStepsPass` whose
-translucent step is a plain `vtkTranslucentPass` (the default one, order-independent transparency, draws into a
-framebuffer of its own with rewritten shaders), and a *hook actor*: the volume's box, fully transparent. Its mapper
-fires ``StartEvent`` after the opaque geometry and before the overlay.
+VTK's Python classes cannot be subclassed as render passes. Instead the renderer gets a `vtkRenderStepsPass`
+whose translucent step is a plain `vtkTranslucentPass` (the default one, order-independent transparency,
+draws into a framebuffer of its own with rewritten shaders), and a *hook actor*: the volume's box, fully
+transparent. Its mapper fires ``StartEvent`` after the opaque geometry and before the overlay.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Hook:
             return
         if present is not None and ours is None:
             raise RenderError(
-                f"the renderer already uses a render pass ({present.GetClassName()}), which leaves no room for "
+                f"the renderer already has a render pass ({present.GetClassName()}), which leaves no room for "
                 "volumes; switch ambient occlusion, shadows, eye-dome lighting and SSAA off first."
             )
         steps = vtk.vtkRenderStepsPass()

@@ -10,7 +10,6 @@ from typing import Literal, Protocol
 Quality = Literal["fast", "balanced", "full"]
 
 
-
 @dataclass(frozen=True)
 class Level:
     """How coarsely a picture is drawn while something moves.
@@ -30,9 +29,9 @@ class Level:
     def share(self) -> float:
         """Expected time as a share of the full picture's.
 
-        Fewer pixels save less than their number promises, since the rays that are left lie farther apart and find
-        less in the caches: measured times of ray casting and slicing on software OpenGL follow a power near 1.5 of
-        the linear fraction.
+        Fewer pixels save less than their number promises, since the rays that are left lie farther apart and
+        find less in the caches: measured times of ray casting and slicing on software OpenGL follow a power
+        near 1.5 of the linear fraction.
         """
         return float(self.fraction**1.5 / self.step_scale)
 
@@ -103,7 +102,8 @@ class CostModel:
         if self._full_seconds is None or level == FULL:
             self._full_seconds = estimate
         else:
-            # falls quickly when frames get cheap, so that resolution returns soon; rises at once when they get dear
+            # falls quickly when frames get cheap, so that resolution returns soon; rises at once when they
+            # get dear
             weight = 0.6 if estimate > self._full_seconds else 0.35
             self._full_seconds += weight * (estimate - self._full_seconds)
 

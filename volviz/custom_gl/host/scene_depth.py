@@ -21,7 +21,7 @@ class SceneDepth:
         self.texture: Any = None
 
     def capture(self, gpu: Gpu, window: Any, origin: tuple[int, int], size: tuple[int, int]) -> Any:
-        """Copy the depth of a rectangle of the window; the result is a texture of that size, filter nearest."""
+        """Copy the depth of a rectangle of the window into a texture of that size."""
         width, height = size
         if self._fbo is None or self._size != size:
             self.release(window)

@@ -11,7 +11,6 @@ from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.model.volume import Volume
 
-
 #: Environment variable that leaves multisampling on with software OpenGL.
 KEEP_MULTISAMPLING = "VOLVIZ_KEEP_MULTISAMPLING"
 

@@ -35,7 +35,7 @@ _ATTENUATE = (moderngl.ZERO, moderngl.SRC_COLOR)
 INSIDE = (
     "The light is inside the volume, where half-angle slicing cannot work; it shines from the eye meanwhile."
 )
-INEXACT = "Light or eye are so close to the volume that some rays meet the slices in the wrong order; move them away."
+INEXACT = "Light or eye are so close to the volume that some rays meet the slices in the wrong order."
 
 
 class HalfAngle:

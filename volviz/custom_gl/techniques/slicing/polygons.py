@@ -12,7 +12,8 @@ from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.slicing.settings import MAX_SLICES, MIN_SLICES
 from volviz.kernels.slices import box_distance_range, fan_triangles, outline_segments, slice_polygons
 
-#: Share of the box's depth that is added at both ends, so that rounding never drops a face that a slice lies in.
+#: Share of the box's depth that is added at both ends, so that rounding never drops a face that a slice lies
+#: in.
 EPSILON = 1e-7
 
 

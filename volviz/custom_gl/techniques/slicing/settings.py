@@ -19,7 +19,8 @@ class SlicingSettings(ShadingSettings, SamplingSettings):
     slices: int | None = parameter(
         None,
         "Slices",
-        "Number of slices through the volume along the view; automatic follows the step. The keys + and - change it.",
+        "Number of slices through the volume along the view; automatic follows the step. The keys + and - "
+        "change it.",
         kind="int",
         optional=True,
         none_label="from the step",
@@ -29,6 +30,10 @@ class SlicingSettings(ShadingSettings, SamplingSettings):
         group="Sampling",
     )
     display: str = parameter(
-        "image", "Show", "The picture, the polygons it is made of, or both.", choices=DISPLAYS, group="Machinery",
+        "image",
+        "Show",
+        "The picture, the polygons it is made of, or both.",
+        choices=DISPLAYS,
+        group="Machinery",
         cost=Cost.PROGRAM,
-    )  # fmt: skip
+    )

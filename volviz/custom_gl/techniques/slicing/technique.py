@@ -21,8 +21,8 @@ CHUNK_FRAGMENTS = 1_500_000
 _OVER = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 _ADD = (moderngl.ONE, moderngl.ONE)
 
-#: Per mode: blend file, blend function, blend equation, value the accumulation target starts with. Compositing
-#: blends into the frame's own target, the others into one that is resolved at the end.
+#: Per mode: blend file, blend function, blend equation, value the accumulation target starts with.
+#: Compositing blends into the frame's own target, the others into one that is resolved at the end.
 _MODES: dict[str, tuple[str, tuple[int, int], int, float | None]] = {
     "composite": ("composite", _OVER, moderngl.FUNC_ADD, None),
     "additive": ("additive", _ADD, moderngl.FUNC_ADD, 0.0),
@@ -42,7 +42,7 @@ class Slicing:
         self._parts: list[tuple[int, int, int]] = []
 
     def plan(self, frame: Frame) -> int:
-        """Slices of one tile are cut into parts; a mode that is resolved and the outlines take one chunk each."""
+        """One chunk for each part of a tile's slices, and a last one."""
         self.polygons.update(frame)
         self._parts = []
         if frame.settings.display != "wireframe":
@@ -118,11 +118,11 @@ class Slicing:
 
     def _program(self, frame: Frame, blend: str) -> Program:
         program = frame.program(
-            _HERE / "slicing.vert", _HERE / "slicing.frag", hooks={"blend": _HERE / "blends" / f"{blend}.glsl"}
+            _HERE / "slicing.vert",
+            _HERE / "slicing.frag",
+            hooks={"blend": _HERE / "blends" / f"{blend}.glsl"},
         )
-        program.set(
-            {"u_slice_distance": self.polygons.distance, "u_perspective": not frame.camera.parallel}
-        )
+        program.set({"u_slice_distance": self.polygons.distance, "u_perspective": not frame.camera.parallel})
         return program
 
     # ------------------------------------------------------------------ the other chunks
@@ -153,10 +153,14 @@ class Slicing:
     # ------------------------------------------------------------------ objects on the GPU
 
     def _accumulation(self, frame: Frame) -> Target:
-        return frame.gpu.targets.get(f"slicing accumulation {id(self)} {frame.interactive}", frame.size, depth=False)
+        return frame.gpu.targets.get(
+            f"slicing accumulation {id(self)} {frame.interactive}", frame.size, depth=False
+        )
 
     def _integral(self, frame: Frame) -> Target:
-        return frame.gpu.targets.get(f"slicing integral {id(self)} {frame.interactive}", frame.size, depth=False)
+        return frame.gpu.targets.get(
+            f"slicing integral {id(self)} {frame.interactive}", frame.size, depth=False
+        )
 
     def _array(self, frame: Frame, program: Program) -> Any:
         """The vertex array of a program, remade when the buffer was."""
