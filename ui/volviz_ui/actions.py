@@ -51,6 +51,20 @@ class Actions(QObject):
             "file",
             tr("Open a file of bare values; say how to read it"),
         )
+        self.open_session = self._make(
+            tr("Open &session…"),
+            w.session_commands.open_session,
+            "",
+            "",
+            tr("Restore a whole scene: volume, colours, technique, camera"),
+        )
+        self.save_session = self._make(
+            tr("Sa&ve session…"),
+            w.session_commands.save_session,
+            standard.Save,
+            "floppy-disk",
+            tr("Save the whole scene, to go on another day"),
+        )
         self.export_picture = self._make(
             tr("&Export picture…"),
             files.export_picture,

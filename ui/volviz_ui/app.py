@@ -42,13 +42,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     application = make_application()
     from volviz_ui.main_window import MainWindow
     from volviz_ui.preferences import Preferences
+    from volviz_ui.session_commands import autosave_folder
     from volviz_ui.theme import Theme
 
     preferences = Preferences()
-    window = MainWindow(Theme(application, preferences.theme), preferences)
+    folder = autosave_folder()
+    window = MainWindow(Theme(application, preferences.theme), preferences, autosave_folder=folder)
     window.show()
     source = arguments[0] if arguments else default_source()
-    QTimer.singleShot(0, lambda: window.open(source))
+
+    def begin() -> None:
+        window.open(source)
+        window.session_commands.offer_restore(folder)
+
+    QTimer.singleShot(0, begin)
     status = application.exec()
     window.deleteLater()
     application.processEvents()

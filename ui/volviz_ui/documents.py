@@ -10,6 +10,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
+from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.scene import Layer, Scene, Store, VolumeRef
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -28,6 +29,8 @@ class Opened:
     transfer_function: TransferFunction
     technique: str | None = None
     settings: Any = None
+    scene: Scene | None = None
+    """The whole scene, when a session was opened."""
 
 
 class Documents(QObject):
@@ -84,6 +87,16 @@ class Documents(QObject):
         self._way_back = None
         self._start(ref, first=True)
 
+    def open_scene(self, scene: Scene) -> None:
+        """Show a whole scene, as from a session file, once its volume has been read."""
+        if scene.layer is None:
+            return
+        self._way_back = None
+        source = scene.layer.volume.source
+        ref = replace(scene.layer.volume, content_id=content_id(source))
+        layers = (replace(scene.layer, volume=ref), *scene.layers[1:])
+        self._start(ref, first=True, scene=replace(scene, layers=layers))
+
     def cancel(self) -> None:
         """Give up what is being read."""
         if self._task is not None:
@@ -110,9 +123,9 @@ class Documents(QObject):
 
     # ------------------------------------------------------------------ inside
 
-    def _start(self, ref: VolumeRef, *, first: bool) -> None:
+    def _start(self, ref: VolumeRef, *, first: bool, scene: Scene | None = None) -> None:
         name = title_of(ref)
-        task = self._workers.start(lambda task: open_volume(ref, task), label=name, key="load")
+        task = self._workers.start(lambda task: open_volume(ref, task, scene), label=name, key="load")
         self._task = task
         task.progressed.connect(self.loading_progressed)
         task.succeeded.connect(self._on_first_loaded if first else self._on_loaded_again)
@@ -195,14 +208,16 @@ def title_of(ref: VolumeRef) -> str:
     return Path(ref.source).name or ref.source
 
 
-def open_volume(ref: VolumeRef, task: Task) -> Opened:
-    """Read a volume and choose how to show it at first. Runs on a worker."""
+def open_volume(ref: VolumeRef, task: Task, scene: Scene | None = None) -> Opened:
+    """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker."""
     from volviz.io import load
 
     task.report(-1.0, "")
     volume = load(ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints))
     # lazily computed and needed by every panel: done here, not in the window
-    _ = volume.range
+    auto_isovalue(volume)
+    if scene is not None and scene.layer is not None:
+        return Opened(ref, volume, scene.layer.transfer_function, scene=scene)
     preset_id = suggested_preset(ref)
     if preset_id is None:
         return Opened(ref, volume, TransferFunction.auto(volume))
@@ -224,6 +239,8 @@ def suggested_preset(ref: VolumeRef) -> str | None:
 
 def scene_with(scene: Scene, opened: Opened) -> Scene:
     """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
+    if opened.scene is not None:
+        return opened.scene
     layer = Layer(opened.ref, opened.transfer_function, opened.volume.name)
     views = tuple(replace(view, camera=None) for view in scene.views)
     clipping = replace(scene.clipping, crop=None, planes=())

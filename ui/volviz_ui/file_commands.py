@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from volviz.errors import VolvizError
 from volviz.model.scene import Scene
+from volviz.model.session import SUFFIX as SESSION_SUFFIX
 from volviz.model.volume import Volume
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
@@ -66,9 +67,11 @@ class FileCommands(QObject):
             self.ask_how_to_read(path)
 
     def open_path(self, path: str) -> None:
-        """Open a file or folder; for a raw file whose name does not say enough, ask first."""
+        """Open a file, folder or session; for a raw file whose name does not say enough, ask first."""
         self._window.preferences.folder = str(Path(path).parent)
-        if is_raw(path) and Path(path).is_file() and len(hints_from_name(path)) < 2:
+        if path.endswith(SESSION_SUFFIX):
+            self._window.session_commands.open_path(path)
+        elif is_raw(path) and Path(path).is_file() and len(hints_from_name(path)) < 2:
             self.ask_how_to_read(path)
         else:
             self._window.documents.open(path)

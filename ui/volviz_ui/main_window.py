@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QPointF, Qt, QTimer
@@ -13,6 +14,7 @@ from volviz.model.scene import Store
 from volviz.model.volume import Volume
 from volviz_ui.actions import Actions
 from volviz_ui.app_icon import app_icon
+from volviz_ui.autosave import Autosave
 from volviz_ui.banner import Banner
 from volviz_ui.binding import show_value
 from volviz_ui.dialogs.about import AboutDialog
@@ -23,6 +25,7 @@ from volviz_ui.display import AddVolume, Display
 from volviz_ui.dock import Dock
 from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
 from volviz_ui.file_commands import FileCommands
+from volviz_ui.isovalue_markers import IsovalueMarkers
 from volviz_ui.light_mark import LightMark
 from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
@@ -31,8 +34,10 @@ from volviz_ui.panels.technique_box import current_technique
 from volviz_ui.picking import picked_voxel
 from volviz_ui.preferences import Preferences
 from volviz_ui.scenery import Scenery
+from volviz_ui.session_commands import SessionCommands
 from volviz_ui.status_line import StatusLine
 from volviz_ui.theme import Theme
+from volviz_ui.thumbnails import Thumbnails
 from volviz_ui.transfer_editor import TransferEditor
 from volviz_ui.view_commands import ViewCommands
 from volviz_ui.viewport import Viewport
@@ -54,6 +59,8 @@ class MainWindow(QMainWindow):
         What is remembered between two starts.
     add_volume : callable, optional
         `volviz.add_volume`, or what stands in for it.
+    autosave_folder : Path, optional
+        Where the scene is written for the case of a crash; nowhere when not given.
     """
 
     def __init__(
@@ -61,6 +68,7 @@ class MainWindow(QMainWindow):
         theme: Theme,
         preferences: Preferences | None = None,
         add_volume: AddVolume | None = None,
+        autosave_folder: Path | None = None,
     ) -> None:
         super().__init__()
         if add_volume is None:
@@ -94,7 +102,11 @@ class MainWindow(QMainWindow):
         self.technique_panel = TechniquePanel(self.store, self)
         self.transfer_editor = TransferEditor(self.store, self)
         self.docks = self._make_docks()
+        self.thumbnails = Thumbnails(self.workers, self)
+        self.transfer_editor.thumbnail_provider = self.thumbnails.request
+        self.isovalues = IsovalueMarkers(self.store, self.transfer_editor, self)
         self.file_commands = FileCommands(self)
+        self.session_commands = SessionCommands(self)
         self.view_commands = ViewCommands(self)
         self.actions_ = Actions(self)
         self.menus = Menus(self)
@@ -105,6 +117,7 @@ class MainWindow(QMainWindow):
         self._pick_timer.setInterval(PICK_DELAY_MS)
         self._pick_timer.timeout.connect(self._pick)
 
+        self.autosave = None if autosave_folder is None else Autosave(self.store, autosave_folder, self)
         self._connect()
         self._restore()
 
@@ -122,9 +135,12 @@ class MainWindow(QMainWindow):
         return [data, technique, transfer]
 
     def _connect(self) -> None:
-        for panel in (self.data_panel, self.technique_panel):
+        for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
             panel.gesture_started.connect(self.display.begin_gesture)
             panel.gesture_finished.connect(self.display.end_gesture)
+        self.transfer_editor.failed.connect(
+            lambda error: show_error(self, self.tr("Transfer function"), error)
+        )
         self.documents.volume_changed.connect(self._on_volume_changed)
         self.documents.opened.connect(self._on_opened)
         self.documents.failed.connect(self._on_failed_to_open)
@@ -205,6 +221,8 @@ class MainWindow(QMainWindow):
         self.data_panel.set_volume(volume)
         self.technique_panel.set_volume(volume)
         self.transfer_editor.set_volume(volume)
+        self.thumbnails.set_volume(volume)
+        self.isovalues.set_volume(volume)
         self.status_line.show_volume(volume)
         self._show_light(None)
 
@@ -357,6 +375,9 @@ class MainWindow(QMainWindow):
         if not self.isFullScreen():
             self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
         self._pick_timer.stop()
+        if self.autosave is not None:
+            self.autosave.close()
+        self.transfer_editor.close_workers()
         self.workers.close()
         self.display.close()
         self.documents.close()

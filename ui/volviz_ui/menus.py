@@ -50,6 +50,8 @@ class Menus:
         file.addMenu(self.samples)
         file.addAction(actions.import_raw)
         file.addSeparator()
+        file.addActions([actions.open_session, actions.save_session])
+        file.addSeparator()
         file.addActions([actions.export_picture, actions.copy_picture, actions.copy_script])
         file.addSeparator()
         file.addAction(actions.quit)

@@ -11,7 +11,15 @@ from volviz.model.parameters import Parameter
 from volviz_ui.editors.base import Editor
 from volviz_ui.editors.number import NumberEditor, slider_range
 from volviz_ui.editors.optional import OptionalEditor
-from volviz_ui.editors.simple import BoolEditor, ChoiceEditor, ColorEditor, TextEditor, VectorEditor
+from volviz_ui.editors.several import ColorsEditor, FloatsEditor
+from volviz_ui.editors.simple import (
+    BoolEditor,
+    ChoiceEditor,
+    ColorEditor,
+    PathEditor,
+    TextEditor,
+    VectorEditor,
+)
 
 __all__ = ["Editor", "editor_for"]
 
@@ -22,13 +30,16 @@ _EDITORS: dict[str, type[Editor]] = {
     "choice": ChoiceEditor,
     "color": ColorEditor,
     "vector": VectorEditor,
+    "floats": FloatsEditor,
+    "colors": ColorsEditor,
+    "path": PathEditor,
 }
 
 
 def editor_for(parameter: Parameter, parent: QWidget | None = None) -> Editor:
     """The widget that edits a setting; kinds without a special one are written as text."""
     kind = _EDITORS.get(parameter.kind, TextEditor)
-    if not parameter.optional or kind is TextEditor:
+    if not parameter.optional or kind in (TextEditor, PathEditor):
         return kind(parameter, parent)
     required = dataclasses.replace(parameter, optional=False)
     return OptionalEditor(parameter, kind(required), _fallback(parameter), parent)
@@ -42,9 +53,13 @@ def _fallback(parameter: Parameter) -> Any:
         low, high = slider_range(parameter)
         middle = (low * high) ** 0.5 if parameter.logarithmic and low > 0 else (low + high) / 2
         return round(middle) if parameter.kind == "int" else middle
+    if parameter.kind == "floats":
+        low, high = slider_range(parameter)
+        return ((low + high) / 2,)
     return {
         "bool": False,
         "choice": parameter.choices[0][0] if parameter.choices else "",
         "color": (1.0, 1.0, 1.0),
         "vector": (0.0, 0.0, 0.0),
+        "colors": ((1.0, 1.0, 1.0),),
     }[parameter.kind]

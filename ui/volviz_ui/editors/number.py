@@ -246,9 +246,9 @@ class NumberEditor(Editor):
 
 def slider_range(parameter: Parameter) -> tuple[float, float]:
     """The range of a setting's slider, from its usual or its accepted values."""
-    default = float(parameter.default) if isinstance(parameter.default, (int, float)) else 1.0
+    default = float(parameter.default) if isinstance(parameter.default, (int, float)) else 0.0
     low = _first(parameter.soft_minimum, parameter.minimum, min(0.0, default * 2))
-    high = _first(parameter.soft_maximum, parameter.maximum, max(1.0, abs(default) * 4, low + 1))
+    high = _first(parameter.soft_maximum, parameter.maximum, max(abs(default) * 4, low + 1))
     return low, max(high, low)
 
 

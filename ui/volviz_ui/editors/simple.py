@@ -10,6 +10,7 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QColorDialog,
     QComboBox,
+    QFileDialog,
     QHBoxLayout,
     QLineEdit,
     QPushButton,
@@ -92,10 +93,11 @@ class ChoiceEditor(Editor):
 class ColorButton(QPushButton):
     """A button that shows a colour and opens the colour dialog."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None, *, with_name: bool = True) -> None:
         super().__init__(parent)
         self.color = QColor("white")
-        self.setIconSize(QSize(40, 14))
+        self._with_name = with_name
+        self.setIconSize(QSize(40 if with_name else 28, 14))
         self._show()
 
     def set_color(self, color: QColor) -> None:
@@ -116,7 +118,8 @@ class ColorButton(QPushButton):
         painter.drawRoundedRect(0, 0, size.width() - 1, size.height() - 1, 3, 3)
         painter.end()
         self.setIcon(QIcon(pixmap))
-        self.setText(self.color.name())
+        if self._with_name:
+            self.setText(self.color.name())
 
 
 class ColorEditor(Editor):
@@ -139,13 +142,19 @@ class ColorEditor(Editor):
         self.control.set_color(QColor.fromRgbF(*value))
 
     def _choose(self) -> None:
-        dialog = QColorDialog(self.control.color, self)
-        dialog.setWindowTitle(self.parameter.label)
-        if dialog.exec():
-            color = dialog.selectedColor()
+        color = chosen_color(self, self.control.color, self.parameter.label)
+        if color is not None:
             self.control.set_color(color)
             self.value_changed.emit((color.redF(), color.greenF(), color.blueF()))
-        dialog.deleteLater()
+
+
+def chosen_color(parent: QWidget, color: QColor, title: str) -> QColor | None:
+    """Ask for a colour; None when the user does not want another one."""
+    dialog = QColorDialog(color, parent)
+    dialog.setWindowTitle(title)
+    chosen = dialog.selectedColor() if dialog.exec() else None
+    dialog.deleteLater()
+    return chosen
 
 
 class VectorEditor(Editor):
@@ -220,6 +229,44 @@ class TextEditor(Editor):
         if value != self._value:
             self._value = value
             self.value_changed.emit(value)
+
+
+class PathEditor(Editor):
+    """The path of a file, with a button that asks for it."""
+
+    wide = True
+
+    def __init__(self, parameter: Parameter, parent: QWidget | None = None) -> None:
+        super().__init__(parameter, parent)
+        self.control = QLineEdit(self)
+        self.control.setToolTip(tooltip_of(parameter))
+        self.control.setAccessibleName(parameter.label)
+        self.browse = QPushButton(self.tr("Browse…"), self)
+        self.browse.setToolTip(self.tr("Choose a file"))
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(4)
+        layout.addWidget(self.control, 1)
+        layout.addWidget(self.browse)
+        self.setFocusProxy(self.control)
+        self._value = ""
+        self.control.editingFinished.connect(lambda: self._take(self.control.text().strip()))
+        self.browse.clicked.connect(self._ask)
+
+    def set_value(self, value: Any) -> None:
+        """Show a path."""
+        self._value = str(value or "")
+        self.control.setText(self._value)
+
+    def _ask(self) -> None:
+        path, _filter = QFileDialog.getOpenFileName(self, self.parameter.label, self._value)
+        if path:
+            self._take(path)
+
+    def _take(self, path: str) -> None:
+        if path != self._value:
+            self.set_value(path)
+            self.value_changed.emit(path or self.parameter.default)
 
 
 def written(value: Any) -> str:

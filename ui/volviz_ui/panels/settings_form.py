@@ -118,7 +118,8 @@ def acts(parameter: Parameter, settings: Any) -> bool:
 
 def in_data_units(parameter: Parameter, volume: Volume | None) -> Parameter:
     """A setting measured in data units gets the range and the unit of the volume."""
-    if volume is None or parameter.kind not in ("float", "floats") or parameter.unit != "data":
+    of_data = parameter.unit == "data" or parameter.name in ("isovalue", "isovalues")
+    if volume is None or parameter.kind not in ("float", "floats") or not of_data:
         return parameter
     low, high = volume.range
     return dataclasses.replace(

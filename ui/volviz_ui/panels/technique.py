@@ -8,6 +8,7 @@ from typing import Any
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
+from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.parameters import Parameter
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
@@ -83,7 +84,7 @@ class TechniquePanel(Panel):
         form.section_folded.connect(self._on_folded)
         form.show_settings(current_settings(self._store.scene))
         if self._volume is not None:
-            form.show_automatic({"opacity_unit_distance": self._volume.mean_spacing})
+            form.show_automatic(automatic_values(self._volume))
         self.column.insertWidget(2, form)
         self.form = form
         if old is not None:
@@ -116,6 +117,16 @@ class TechniquePanel(Panel):
 
     def _on_reset_all(self) -> None:
         reset_settings(self._store, self.tr("Reset settings"))
+
+
+def automatic_values(volume: Volume) -> dict[str, Any]:
+    """What settings that are left to the program stand for, by name."""
+    isovalue = auto_isovalue(volume)
+    return {
+        "opacity_unit_distance": volume.mean_spacing,
+        "isovalue": isovalue,
+        "isovalues": (isovalue,),
+    }
 
 
 def reset_settings(store: Store, label: str) -> None:

@@ -1,0 +1,67 @@
+"""Isovalues as markers in the transfer-function plot, for techniques that draw surfaces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QObject
+
+from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.scene import Scene, Store
+from volviz.model.volume import Volume
+from volviz_ui.binding import show_value
+from volviz_ui.panels.technique import change_setting
+from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.transfer_editor import TransferEditor
+
+NAMES = ("isovalues", "isovalue")
+
+
+class IsovalueMarkers(QObject):
+    """Shows the isovalues of the technique in the editor's plot, and takes them from there when dragged."""
+
+    def __init__(self, store: Store, editor: TransferEditor, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._editor = editor
+        self._volume: Volume | None = None
+        editor.isovalue_moved.connect(self._on_moved)
+        editor.isovalue_released.connect(self._on_released)
+        show_value(store, _technique_and_settings, self._show)
+
+    def set_volume(self, volume: Volume | None) -> None:
+        """Take the automatic isovalue from another volume."""
+        self._volume = volume
+        self._show(None)
+
+    def _show(self, _changed: Any) -> None:
+        values = self._values()
+        settings = current_settings(self._store.scene)
+        self._editor.set_isovalues(values, tuple(getattr(settings, "colors", ())))
+
+    def _values(self) -> tuple[float, ...]:
+        settings = current_settings(self._store.scene)
+        name = next((n for n in NAMES if hasattr(settings, n)), None)
+        if name is None or self._volume is None:
+            return ()
+        value = getattr(settings, name)
+        if value is None:
+            return (auto_isovalue(self._volume),)
+        return tuple(value) if isinstance(value, tuple) else (float(value),)
+
+    def _on_moved(self, index: int, value: float) -> None:
+        info = current_technique(self._store.scene)
+        parameter = next((p for p in info.parameters if p.name in NAMES), None)
+        values = list(self._values())
+        if parameter is None or not 0 <= index < len(values):
+            return
+        values[index] = value
+        new: Any = tuple(values) if parameter.kind == "floats" else value
+        change_setting(self._store, parameter, new, gesture=("isovalue", info.id, index))
+
+    def _on_released(self, _index: int) -> None:
+        self._store.end_gesture()
+
+
+def _technique_and_settings(scene: Scene) -> Any:
+    return scene.view.technique, current_settings(scene)
