@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +68,10 @@ class FirstLook:
         Range without outliers.
     integer : bool
         Whether all values are whole numbers.
+    cell_size : tuple of 3 floats
+        Distance of the lattice's points along (z, y, x), world units.
+    scale : float
+        Largest absolute value, in whose units `gradient` is: no square of it overflows.
     """
 
     values: Floats
@@ -77,6 +81,8 @@ class FirstLook:
     low: float
     high: float
     integer: bool
+    cell_size: tuple[float, ...] = (1.0, 1.0, 1.0)
+    scale: float = 1.0
 
     @classmethod
     def at(cls, volume: Volume) -> FirstLook | None:
@@ -88,10 +94,13 @@ class FirstLook:
         values = np.where(np.isfinite(values), values, low)
         if values.min() == values.max():
             values, steps = _around_extreme(volume, values.shape), (1, 1, 1)
-        rays, lengths = _cast(values, tuple(s * n for s, n in zip(volume.spacing[::-1], steps, strict=True)))
+        cell = tuple(s * n for s, n in zip(volume.spacing[::-1], steps, strict=True))
+        rays, lengths = _cast(values, cell)
+        scale = float(np.abs(values).max())
         lengths = lengths / volume.mean_spacing
         integer = volume.array.dtype.kind in "bui" or bool(np.all(values == np.rint(values)))
-        return cls(values, _magnitude(values), rays, lengths, *without_outliers(values.ravel()), integer)
+        range_ = without_outliers(values.ravel())
+        return cls(values, _magnitude(values, scale), rays, lengths, *range_, integer, cell, scale)
 
     @cached_property
     def shell(self) -> Floats:
@@ -102,9 +111,7 @@ class FirstLook:
 
     def mirrored(self) -> FirstLook:
         """The look at the negated values, for dark objects on a bright background."""
-        return FirstLook(
-            -self.values, self.gradient, -self.rays, self.lengths, -self.high, -self.low, self.integer
-        )
+        return replace(self, values=-self.values, rays=-self.rays, low=-self.high, high=-self.low)
 
     def coverage(self, threshold: float) -> float:
         """Share of the rays through the box that meet a value of at least `threshold`."""
@@ -126,8 +133,7 @@ class FirstLook:
         return np.array([a[n > 0].mean() for a, n in zip(alpha, self.lengths, strict=True)])
 
 
-def _magnitude(values: Floats) -> Floats:
-    largest = float(np.abs(values).max())
+def _magnitude(values: Floats, largest: float) -> Floats:
     total = np.zeros_like(values)
     for axis in range(3):
         total += np.gradient(values / largest, axis=axis) ** 2

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import InputError
+from volviz.model.transfer_function_2d import TransferFunction2D
 
 Color = tuple[float, float, float]
 RGBA = tuple[float, float, float, float]
@@ -54,12 +55,16 @@ class TransferFunction:
         What to call it; presets carry their id.
     opacity : float
         Factor on all opacities, 0..1.
+    by_gradient : TransferFunction2D or None
+        Regions over value and gradient magnitude, which techniques that can use them draw instead of the
+        curve while they are enabled.
     """
 
     points: tuple[ControlPoint, ...]
     domain: Domain = "data"
     name: str = ""
     opacity: float = 1.0
+    by_gradient: TransferFunction2D | None = None
 
     def __post_init__(self) -> None:
         if not self.points:
@@ -238,15 +243,21 @@ class TransferFunction:
         return replace(self, points=(*self.points[:index], changed, *self.points[index + 1 :]))
 
     def shifted(self, offset: float) -> TransferFunction:
-        """All values moved by `offset`."""
-        return replace(self, points=tuple(replace(p, value=p.value + offset) for p in self.points))
+        """All values moved by `offset`, those of the regions too."""
+        return replace(
+            self,
+            points=tuple(replace(p, value=p.value + offset) for p in self.points),
+            by_gradient=None if self.by_gradient is None else self.by_gradient.mapped(1.0, 0.0, offset),
+        )
 
     def stretched(self, factor: float, center: float) -> TransferFunction:
         """All values scaled about `center` by a factor greater than 0."""
         if not factor > 0:
             raise InputError(f"a transfer function is stretched by a factor greater than 0, got {factor!r}.")
         return replace(
-            self, points=tuple(replace(p, value=center + (p.value - center) * factor) for p in self.points)
+            self,
+            points=tuple(replace(p, value=center + (p.value - center) * factor) for p in self.points),
+            by_gradient=None if self.by_gradient is None else self.by_gradient.mapped(factor, center, 0.0),
         )
 
     def with_opacity(self, opacity: float) -> TransferFunction:
@@ -257,12 +268,13 @@ class TransferFunction:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON; `from_dict` gives back an equal function."""
-        return {
+        data = {
             "domain": self.domain,
             "name": self.name,
             "opacity": self.opacity,
             "points": [[p.value, *p.color, p.opacity] for p in self.points],
         }
+        return data if self.by_gradient is None else {**data, "by_gradient": self.by_gradient.to_dict()}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> TransferFunction:
@@ -275,11 +287,13 @@ class TransferFunction:
         """
         try:
             points = tuple(_point(float(v), rgba) for v, *rgba in data["points"])
+            by_gradient = data.get("by_gradient")
             return cls(
                 points,
                 data.get("domain", "data"),
                 str(data.get("name", "")),
                 float(data.get("opacity", 1.0)),
+                None if by_gradient is None else TransferFunction2D.from_dict(by_gradient),
             )
         except (KeyError, TypeError, ValueError) as error:
             if isinstance(error, InputError):
