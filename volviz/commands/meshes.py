@@ -77,7 +77,7 @@ def run_crosscheck(options: argparse.Namespace) -> int:
 
     report = crosscheck(load_input(options), options.isovalue)
     _say(report.format())
-    return 0 if report.agrees else 1
+    return 0 if report.is_explained else 1
 
 
 def _say(text: str) -> None:

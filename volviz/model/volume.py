@@ -150,7 +150,7 @@ class Volume:
     @cached_property
     def world_to_index(self) -> npt.NDArray[np.float64]:
         """4 x 4 inverse of `index_to_world`."""
-        matrix = np.linalg.inv(self.index_to_world)
+        matrix: npt.NDArray[np.float64] = np.linalg.inv(self.index_to_world).astype(np.float64)
         matrix.flags.writeable = False
         return matrix
 
