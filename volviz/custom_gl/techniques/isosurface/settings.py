@@ -11,6 +11,10 @@ from volviz.model.parameters import Cost, parameter
 #: Number of surfaces that can be shown at once.
 MAX_SURFACES = 4
 
+#: Longest step in voxels, while something moves as well: with longer ones than a brick, the test for empty bricks
+#: would miss surfaces between two samples.
+MAX_STEP = 8.0
+
 DISPLAYS = (
     ("image", "Image"),
     ("positions", "Positions"),
@@ -61,8 +65,7 @@ class IsosurfaceSettings:
         unit="voxels",
         group="Sampling",
         minimum=0.02,
-        # farther than a brick the test for empty bricks would miss surfaces between two samples
-        maximum=8.0,
+        maximum=MAX_STEP,
         soft_minimum=0.1,
         soft_maximum=2.0,
         logarithmic=True,

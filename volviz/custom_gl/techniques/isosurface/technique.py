@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import moderngl
 
 from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.techniques.isosurface.settings import MAX_STEP
 from volviz.custom_gl.techniques.isosurface.surfaces import shown_surfaces
 from volviz.custom_gl.tiled import draw_tile
 from volviz.kernels.surface_pick import SurfacePoint, pixel_ray, surface_on_ray
@@ -64,6 +65,7 @@ class Isosurface:
                 "u_isovalues": surfaces.fractions(frame.volume.range),
                 "u_surface_colors": surfaces.looks(),
                 "u_bisections": frame.settings.bisections,
+                "u_step": min(frame.step_world, MAX_STEP * min(frame.volume.spacing)),
             }
         )
         return program
