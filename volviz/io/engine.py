@@ -64,7 +64,7 @@ class Engine:
         skirt = _box(x, y, z + 0.20, 0.41, 0.17, 0.10, 0.03)
         solid = _join(block, skirt, 0.03)
         # ribs and a flange stiffen the sides
-        for middle in (-0.33, -0.18, 0.0, 0.18, 0.33):
+        for middle in (-0.33, -0.18, 0.0, 0.18, 0.33) if _near(z, -0.18, 0.22) else ():
             solid = np.minimum(solid, _box(x - middle, y, z - 0.02, 0.012, 0.225, 0.20, 0.006))
         solid = np.minimum(solid, _box(x, y, z + 0.29, 0.43, 0.20, 0.012, 0.006))
         # intake flange and its three ports on one side
@@ -76,12 +76,12 @@ class Engine:
         solid = np.maximum(solid, -_box(x, y, z + 0.22, 0.385, 0.135, 0.13, 0.04))
         solid = np.maximum(solid, -_capsule_x(x, y + 0.165, z + 0.02, 0.40, 0.014))
         solid = np.maximum(solid, -np.maximum(self._bolts - 0.013, (DECK - 0.16) - z))
-        for middle in (-0.18, 0.0, 0.18):
+        for middle in (-0.18, 0.0, 0.18) if _near(z, 0.13, 0.23) else ():
             # on through the wall, until the water jacket
             port = np.hypot(x - middle, z - 0.18) - 0.030
             solid = np.maximum(solid, -np.maximum(port, 0.150 - y))
         # bearing walls of the crankshaft, between the bores
-        for middle in (-0.36, -0.18, 0.0, 0.18, 0.36):
+        for middle in (-0.36, -0.18, 0.0, 0.18, 0.36) if _near(z, -0.30, -0.10) else ():
             wall = _box(x - middle, y, z + 0.20, 0.014, 0.15, 0.10, 0.004)
             wall = np.maximum(wall, 0.042 - np.hypot(y, z - SHAFT_HEIGHT))
             solid = np.minimum(solid, wall)
@@ -100,19 +100,24 @@ class Engine:
         steel = np.minimum(steel, shaft)
         for number, middle in enumerate(BORES):
             up = 1.0 if number in (0, 3) else -1.0
+            crown = 0.20 if up > 0 else 0.07
+            if _near(z, crown - 0.045, crown + 0.045):
+                # piston: a cup, open below
+                cup = np.hypot(x - middle, y)
+                piston = np.maximum(cup - (BORE_RADIUS - LINER - 0.004), np.abs(z - crown) - 0.045)
+                hollow = np.maximum(cup - (BORE_RADIUS - LINER - 0.016), z - crown - 0.030)
+                steel = np.minimum(steel, np.maximum(piston, -hollow))
+            if not _near(z, SHAFT_HEIGHT - 0.1, SHAFT_HEIGHT + 0.1):
+                continue
             # webs with their counterweights, on both sides of each crank pin
             for side in (-0.042, 0.042):
                 web = np.hypot(y, z - SHAFT_HEIGHT + up * 0.022) - 0.072
                 steel = np.minimum(steel, np.maximum(web, np.abs(x - middle - side) - 0.011))
             pin = np.hypot(y, z - SHAFT_HEIGHT - up * 0.055) - 0.024
             steel = np.minimum(steel, np.maximum(pin, np.abs(x - middle) - 0.045))
-            # piston: a cup, open below
-            crown = 0.20 if up > 0 else 0.07
-            cup = np.hypot(x - middle, y)
-            piston = np.maximum(cup - (BORE_RADIUS - LINER - 0.004), np.abs(z - crown) - 0.045)
-            hollow = np.maximum(cup - (BORE_RADIUS - LINER - 0.016), z - crown - 0.030)
-            steel = np.minimum(steel, np.maximum(piston, -hollow))
         # flywheel flange with a ring of holes
+        if not _near(z, SHAFT_HEIGHT - 0.115, SHAFT_HEIGHT + 0.115):
+            return np.asarray(steel, np.float32)
         wheel = np.maximum(np.hypot(y, z - SHAFT_HEIGHT) - 0.115, np.abs(x - 0.465) - 0.012)
         for angle in np.radians(np.arange(0, 360, 60)):
             hole = np.hypot(y - 0.08 * np.cos(angle), z - SHAFT_HEIGHT - 0.08 * np.sin(angle)) - 0.014
@@ -146,6 +151,12 @@ def material_values(distances: Distances, noise: Grid, size: int) -> npt.NDArray
     # noise is stronger near the part, as the rays that cross it are weaker
     value += noise * (NOISE * (np.float32(0.35) + np.float32(0.65) * halo))
     return np.clip(np.rint(value), 0, 255).astype(np.uint8)
+
+
+def _near(z: Grid, low: float, high: float) -> bool:
+    """Whether a part between these heights can be seen in the slices `z`; farther away even its halo has ended."""
+    reach = 5 * HALO_REACH
+    return bool(z.min() < high + reach and z.max() > low - reach)
 
 
 def _box(x: Grid, y: Grid, z: Grid, a: float, b: float, c: float, rounding: float) -> Grid:

@@ -232,7 +232,8 @@ def _directions(job: Job, fields: dict[str, str], count: int) -> list[tuple[floa
     if len(columns) == 4:
         # a four-dimensional space: the axis that leads nowhere in its first three dimensions is time
         columns = [None if c is None or not any(c[:3]) else c for c in columns]
-    if len(columns) != count or sum(c is not None for c in columns) != 3:
+    in_space = [c for c in columns if c is not None]
+    if len(columns) != count or len(in_space) != 3 or min(len(c) for c in in_space) < 3:
         raise job.error("its space directions do not fit its axes; the file is damaged.")
     return [None if c is None else c[:3] for c in columns]
 

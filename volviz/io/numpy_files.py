@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tokenize
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -65,6 +66,14 @@ def _header(job: Job) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
         try:
             version = np.lib.format.read_magic(stream)
             shape, fortran, dtype = reading[version](stream)
-        except (ValueError, KeyError, UnicodeDecodeError, SyntaxError):
+        except (
+            ValueError,
+            KeyError,
+            TypeError,
+            SyntaxError,
+            tokenize.TokenError,
+            RecursionError,
+            MemoryError,
+        ):
             raise job.error("its NumPy header is unreadable; the file is damaged.") from None
         return tuple(int(n) for n in shape), bool(fortran), dtype, stream.tell()

@@ -145,13 +145,13 @@ def default_sample() -> Sample:
 
 
 def sample(
-    name: str, *, progress: Progress | None = None, cancel: Cancel | None = None, **hints: Any
+    identifier: str, /, *, progress: Progress | None = None, cancel: Cancel | None = None, **hints: Any
 ) -> Volume:
     """Load a sample.
 
     Parameters
     ----------
-    name : str
+    identifier : str
         Id of the sample.
     progress, cancel, **hints
         As for `volviz.load`.
@@ -163,9 +163,9 @@ def sample(
     LoadError
         Its file is missing from the installation.
     """
-    found = next((s for s in _SAMPLES if s.id == name), None)
+    found = next((s for s in _SAMPLES if s.id == identifier), None)
     if found is None:
-        raise InputError(f"there is no sample {name!r}; there are {', '.join(s.id for s in _SAMPLES)}.")
+        raise InputError(f"there is no sample {identifier!r}; there are {', '.join(s.id for s in _SAMPLES)}.")
     given = Hints.from_keywords({"name": found.label, **hints})
     job = Job(Path(SAMPLE_PREFIX + found.id), given, progress, cancel)
     if found.file is None:

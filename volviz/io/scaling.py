@@ -46,6 +46,8 @@ def rescaled(array: npt.NDArray[Any], slope: float, intercept: float) -> npt.NDA
                 return result
     real = np.dtype(np.float64 if size > 4 or (kind in "ui" and size == 4) else np.float32)
     values = array.astype(real)
-    values *= real.type(slope)
-    values += real.type(intercept)
+    # a damaged slope may lead to infinity, which `Volume` counts like any other
+    with np.errstate(over="ignore", invalid="ignore"):
+        values *= real.type(slope)
+        values += real.type(intercept)
     return values

@@ -1,0 +1,61 @@
+"""Damage in uncompressed files, where no checksum notices it before the reader does."""
+
+from __future__ import annotations
+
+import contextlib
+
+import numpy as np
+import pytest
+
+from tests.unit.io.writers import itk, scalars
+from volviz.errors import VolvizError
+from volviz.io import load
+
+
+@pytest.mark.parametrize("suffix", [".nii", ".nrrd", ".mha"])
+def test_damaged_headers_end_in_a_volume_or_a_sentence(tmp_path, suffix):
+    path = itk(tmp_path / f"v{suffix}", scalars((4, 5, 6)))
+    content = path.read_bytes()
+    rng = np.random.default_rng(4)
+    for _ in range(300):
+        damaged = bytearray(content)
+        for place in rng.integers(0, 500, rng.integers(1, 6)):
+            damaged[place] = rng.integers(0, 256)
+        path.write_bytes(damaged[: rng.integers(1, len(damaged) + 1)] if rng.random() < 0.2 else damaged)
+        with contextlib.suppress(VolvizError):
+            load(path)
+
+
+def test_a_compressed_file_that_unpacks_to_less_than_promised_is_refused(tmp_path):
+    import gzip
+
+    head = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 400 400 400\nencoding: gzip\n\n"
+    # a bomb the other way round: the header promises 64 MB, the stream holds 3 MB and packs to 3 KB
+    (tmp_path / "v.nrrd").write_bytes(head + gzip.compress(bytes(3_000_000)) + bytes(100_000))
+    with pytest.raises(
+        VolvizError, match=r"cut off: the header promises 64,000,000 bytes of values, 3,000,000"
+    ):
+        load(tmp_path / "v.nrrd")
+
+
+def test_a_file_in_several_gzip_members_is_read(tmp_path):
+    import gzip
+
+    array = scalars((4, 5, 6), "uint8")
+    raw = array.tobytes()
+    packed = gzip.compress(raw[:50]) + gzip.compress(raw[50:90]) + gzip.compress(raw[90:]) + bytes(512)
+    (tmp_path / "v_6x5x4_uint8.raw.gz").write_bytes(packed)
+    np.testing.assert_array_equal(load(tmp_path / "v_6x5x4_uint8.raw.gz").array, array)
+
+
+def test_a_long_stream_is_unpacked_in_blocks_to_the_same_values(tmp_path, monkeypatch):
+    from volviz.io import stored
+
+    array = scalars((40, 50, 60), "uint16")
+    path = itk(tmp_path / "v.nii.gz", array, compressed=True)
+    monkeypatch.setattr(stored, "ONE_SHOT_BYTES", 0)
+    monkeypatch.setattr(stored, "BLOCK", 10_000)
+    told: list[float] = []
+    np.testing.assert_array_equal(load(path, progress=lambda fraction, _: told.append(fraction)).array, array)
+    assert len(told) > 20
+    assert told == sorted(told)
