@@ -47,14 +47,14 @@ class Counts:
         return float(a), float(b)
 
 
-def bins_of(volume: Volume) -> tuple[int, tuple[float, float]]:
+def bins_of(volume: Volume, most: int = BINS) -> tuple[int, tuple[float, float]]:
     """Number of bins and their range: one or several whole numbers a bin, so that no comb appears."""
     low, high = volume.range
     if volume.array.dtype.kind in "bui":
-        each = max(1, -(-int(high - low + 1) // BINS))
+        each = max(1, -(-int(high - low + 1) // most))
         bins = -(-int(high - low + 1) // each)
         return bins, (low - 0.5, low - 0.5 + bins * each)
-    return BINS, (low, high if high > low else low + 1.0)
+    return most, (low, high if high > low else low + 1.0)
 
 
 class _Relay(QObject):

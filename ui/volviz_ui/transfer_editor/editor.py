@@ -2,28 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtWidgets import (
+    QButtonGroup,
     QFrame,
     QHBoxLayout,
     QMenu,
     QSizePolicy,
+    QStackedWidget,
     QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
+from volviz.model.auto_transfer_2d import auto_regions
 from volviz.model.own_presets import OwnPresets
 from volviz.model.presets import Preset, presets
 from volviz.model.transfer_function import TransferFunction
+from volviz.model.transfer_function_2d import TransferFunction2D
 from volviz_ui.icons import set_icon
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
 from volviz_ui.transfer_editor.counting import Counter
 from volviz_ui.transfer_editor.fields import Fields
+from volviz_ui.transfer_editor.fields_2d import RegionFields
+from volviz_ui.transfer_editor.joint import JointCounter
 from volviz_ui.transfer_editor.model import EditorModel
 from volviz_ui.transfer_editor.plot import TransferPlot
+from volviz_ui.transfer_editor.plot_2d import GradientPlot
 from volviz_ui.transfer_editor.preset_commands import PresetCommands
 from volviz_ui.transfer_editor.preset_popup import PresetPopup, ThumbnailProvider
 
@@ -66,10 +74,14 @@ class TransferEditor(QWidget):
         self._pending: Volume | None = None
         self.plot = TransferPlot(self.model, self.counter, self)
         self.fields = Fields(self.model, self)
+        self.joint = JointCounter(self)
+        self.gradient_plot = GradientPlot(self.model, self.joint, self)
+        self.region_fields = RegionFields(self.gradient_plot, self)
         self.popup = PresetPopup(self.own_presets, self)
         self.commands = PresetCommands(self.model, self.own_presets, self)
         self._build()
         self._connect()
+        self.set_two_dimensional_available(False)
         self._on_function_changed()
 
     def sizeHint(self) -> QSize:
@@ -82,6 +94,9 @@ class TransferEditor(QWidget):
         """Show the histogram, range and unit of another volume; counted when the editor is first seen."""
         self.popup.set_volume(volume)
         self.model.set_volume(volume)
+        self.joint.set_volume(volume)
+        if self._is_two_dimensional():
+            self.joint.count()
         self._pending = volume
         if volume is None or self.isVisible():
             self._count()
@@ -129,14 +144,25 @@ class TransferEditor(QWidget):
         else:
             self.model.finish()
 
+    def set_two_dimensional_available(self, available: bool) -> None:
+        """Whether the technique that draws can use regions over value and gradient: shows the switch 1D | 2D."""
+        self.one_button.setVisible(available)
+        self.two_button.setVisible(available)
+        self.dimension_line.setVisible(available)
+        self._available = available
+        self._show_dimension()
+
     def set_automatic(self) -> None:
         """Put the automatic function on the data."""
-        if self.model.volume is not None:
+        if self._is_two_dimensional():
+            self.gradient_plot.set_automatic()
+        elif self.model.volume is not None:
             self.model.apply(TransferFunction.auto(self.model.volume), self.tr("Automatic function"), ())
 
     def close_workers(self) -> None:
         """Stop counting and wait, before the program ends."""
         self.counter.wait()
+        self.joint.wait()
 
     # ------------------------------------------------------------------ building
 
@@ -151,6 +177,13 @@ class TransferEditor(QWidget):
         )
         set_icon(self.auto_button, "magic-wand")
         self.more_button = self._button("", self.tr("Save, import and export presets"), "dots-three-vertical")
+        self.one_button = self._toggle("", self.tr("Colour and opacity by value"), text="1D", on=True)
+        self.two_button = self._toggle("", self.tr("Colour and opacity by value and gradient"), text="2D")
+        self.dimensions = QButtonGroup(self)
+        for button in (self.one_button, self.two_button):
+            self.dimensions.addButton(button)
+        self.dimension_line = self._line()
+        self._available = False
         self.shape_button = self._button(
             self.tr("Shape"), self.tr("Put a peak, box or ramp on the curve"), text=True
         )
@@ -183,6 +216,9 @@ class TransferEditor(QWidget):
         bar.setSpacing(4)
         for widget in (self.preset_button, self.auto_button, self.more_button):
             bar.addWidget(widget)
+        bar.addWidget(self.dimension_line)
+        for widget in (self.one_button, self.two_button):
+            bar.addWidget(widget)
         bar.addWidget(self._line())
         for widget in (self.color_button, self.shape_button, self.arrange_button):
             bar.addWidget(widget)
@@ -195,8 +231,15 @@ class TransferEditor(QWidget):
         body = QHBoxLayout()
         body.setContentsMargins(0, 0, 0, 0)
         body.setSpacing(4)
-        body.addWidget(self.plot, 1)
-        body.addWidget(self.fields)
+        self.plots, self.sides = QStackedWidget(self), QStackedWidget(self)
+        for stack, pages in (
+            (self.plots, (self.plot, self.gradient_plot)), (self.sides, (self.fields, self.region_fields)),
+        ):  # fmt: skip
+            for page in pages:
+                stack.addWidget(page)
+        self.sides.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+        body.addWidget(self.plots, 1)
+        body.addWidget(self.sides)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 4, 8, 4)
         layout.setSpacing(4)
@@ -217,8 +260,8 @@ class TransferEditor(QWidget):
             set_icon(button, icon)
         return button
 
-    def _toggle(self, icon: str, tip: str, *, on: bool = False) -> QToolButton:
-        button = self._button("", tip, icon)
+    def _toggle(self, icon: str, tip: str, *, text: str = "", on: bool = False) -> QToolButton:
+        button = self._button(text, tip, icon)
         button.setCheckable(True)
         button.setChecked(on)
         return button
@@ -277,6 +320,7 @@ class TransferEditor(QWidget):
         model.function_changed.connect(self._on_function_changed)
         model.gesture_started.connect(self.gesture_started)
         model.gesture_finished.connect(self.gesture_finished)
+        self.dimensions.buttonClicked.connect(self._on_dimension_clicked)
         plot.color_wanted.connect(self.fields.choose_color)
         plot.fields_wanted.connect(self._on_fields_wanted)
         plot.menu_wanted.connect(self._on_menu_wanted)
@@ -293,6 +337,41 @@ class TransferEditor(QWidget):
         self.fit_data_button.clicked.connect(plot.fit_data)
         self.fit_function_button.clicked.connect(plot.fit_function)
         self.percentile_button.clicked.connect(lambda _checked: plot.fit_percentiles())
+
+    # ------------------------------------------------------------------ one or two dimensions
+
+    def _is_two_dimensional(self) -> bool:
+        function = self.model.function
+        by_gradient = None if function is None else function.by_gradient
+        return self._available and by_gradient is not None and by_gradient.enabled
+
+    def _on_dimension_clicked(self) -> None:
+        """The switch decides what is drawn, so it is an edit like any other."""
+        function, two = self.model.function, self.two_button.isChecked()
+        if function is None or two == self._is_two_dimensional():
+            return
+        label = self.tr("Two-dimensional function") if two else self.tr("Function of the value")
+        if function.by_gradient is not None:
+            by_gradient = replace(function.by_gradient, enabled=two)
+        elif self.model.volume is not None:
+            by_gradient = auto_regions(self.model.volume)
+        else:
+            by_gradient = TransferFunction2D()
+        self.model.apply(replace(function, by_gradient=by_gradient), label, ())
+
+    def _show_dimension(self) -> None:
+        two = self._is_two_dimensional()
+        (self.two_button if two else self.one_button).setChecked(True)
+        self.plots.setCurrentIndex(int(two))
+        self.sides.setCurrentIndex(int(two))
+        for button in (
+            self.color_button, self.shape_button, self.arrange_button, self.log_counts_button,
+            self.log_values_button, self.fine_button, self.fit_data_button, self.fit_function_button,
+            self.percentile_button,
+        ):  # fmt: skip
+            button.setVisible(not two)
+        if two:
+            self.joint.count()
 
     # ------------------------------------------------------------------ reactions
 
@@ -312,6 +391,7 @@ class TransferEditor(QWidget):
 
     def _on_function_changed(self) -> None:
         function = self.model.function
+        self._show_dimension()
         for button in (
             self.preset_button, self.auto_button, self.more_button, self.color_button, self.shape_button,
             self.arrange_button,
