@@ -1,0 +1,30 @@
+"""Splatting: every voxel above an isovalue as a point."""
+
+from __future__ import annotations
+
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.splatting.settings import DISPLAYS, SplattingSettings
+from volviz.custom_gl.techniques.splatting.technique import Splatting
+
+TECHNIQUE = TechniqueInfo(
+    id="splatting",
+    label="Splatting",
+    summary="Voxels above an isovalue as lit points that a blur melts together, or as translucent Gaussians.",
+    settings=SplattingSettings,
+    create=Splatting,
+    displays=DISPLAYS,
+    classic={
+        "isovalue": 40.0,
+        "splats_per_axis": 64,
+        # point size 2 x 4 / distance in a picture 480 pixels high with 60 degrees of view, in lattice distances
+        "splat_size": 1.23,
+        "splat_color": "classic",
+        "blur_radius": 2.82,
+        "ambient": 0.0,
+        "diffuse": 1.0,
+        "specular": 1.0,
+        "shininess": 400.0,
+    },
+    inert={"opacity_unit_distance": "acts with the Gaussian footprint"},
+    order=50,
+)

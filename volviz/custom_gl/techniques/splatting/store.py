@@ -1,0 +1,156 @@
+"""Splats as one packed array, selected and ordered on a thread of their own."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
+from volviz.custom_gl.techniques.splatting.order import EyePlanes, back_to_front, shuffled
+from volviz.kernels.splats import select_splats
+from volviz.model.volume import Volume
+
+#: Floats per splat: voxel index (3), normal (3), fraction of the data range (1).
+FLOATS = 7
+
+Packed = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """What is to be drawn.
+
+    Attributes
+    ----------
+    volume : Volume
+        The data.
+    isovalue : float
+        In data units.
+    per_axis : int or None
+        Lattice; None for every voxel.
+    cull : bool
+        Leave hidden voxels out.
+    eye : tuple of 3 ints or None
+        Order from back to front for this place of the eye; None for a random order.
+    """
+
+    volume: Volume
+    isovalue: float
+    per_axis: int | None
+    cull: bool
+    eye: EyePlanes | None
+
+    @property
+    def selection(self) -> Any:
+        """Equal for equal selections."""
+        return id(self.volume), self.isovalue, self.per_axis, self.cull
+
+    @property
+    def key(self) -> Any:
+        """Equal for equal splats in equal order."""
+        return self.selection, self.eye
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """Finished splats.
+
+    Attributes
+    ----------
+    wanted : Wanted
+        What was asked for.
+    packed : ndarray of shape (N, 7), float32
+        In drawing order.
+    """
+
+    wanted: Wanted
+    packed: Packed
+
+
+class SplatStore:
+    """Keeps the last splats and makes new ones in the background."""
+
+    def __init__(self) -> None:
+        self.ready: Ready | None = None
+        self.error: Exception | None = None
+        self._selected: tuple[Any, Packed] | None = None
+        self._thread: threading.Thread | None = None
+        self._in_work: Any = None
+
+    def get(self, wanted: Wanted, *, wait: bool) -> Ready | None:
+        """The splats, or what there was before as long as they are not ready.
+
+        Parameters
+        ----------
+        wanted : Wanted
+            What is to be drawn.
+        wait : bool
+            Come back with these splats only. A first selection is always waited for.
+        """
+        while self.ready is None or self.ready.wanted.key != wanted.key:
+            if self._thread is None:
+                self._begin(wanted)
+            elif not self._thread.is_alive() or wait or self.ready is None:
+                self._end()
+            else:
+                break
+        return self.ready
+
+    def _begin(self, wanted: Wanted) -> None:
+        self._thread = threading.Thread(target=self._work, args=(wanted,), name="volviz-splats", daemon=True)
+        self._thread.start()
+
+    def _end(self) -> None:
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+        if self.error is not None:
+            error, self.error = self.error, None
+            raise error
+
+    def _work(self, wanted: Wanted) -> None:
+        try:
+            if self._selected is None or self._selected[0] != wanted.selection:
+                self._selected = (wanted.selection, pack(wanted))
+            packed = self._selected[1]
+            if wanted.eye is None:
+                order = shuffled(len(packed))
+            else:
+                order = back_to_front(packed[:, :3], wanted.eye, wanted.volume.dimensions)
+            self.ready = Ready(wanted, packed[order])
+        except Exception as error:  # noqa: BLE001 - raised again where the splats are asked for
+            self.error = error
+
+    def close(self) -> None:
+        """Wait for the thread and forget everything."""
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+        self.ready = self._selected = self.error = None
+
+
+def pack(wanted: Wanted) -> Packed:
+    """Select splats: rows of voxel index, unit normal in the world and fraction of the data range."""
+    volume = wanted.volume
+    low, high = volume.range
+    bricks = bricks_of(volume)
+    splats = select_splats(
+        volume.array,
+        wanted.isovalue,
+        spacing=volume.spacing,
+        direction=volume.direction,
+        splats_per_axis=wanted.per_axis,
+        cull_interior=wanted.cull,
+        bricks=(bricks.low, bricks.high),
+        brick=BRICK,
+        lowest=low,
+    )
+    packed = np.empty((len(splats.values), FLOATS), np.float32)
+    packed[:, :3] = splats.positions
+    packed[:, 3:6] = splats.normals
+    packed[:, 6] = (splats.values.astype(np.float64) - low) / (high - low if high > low else 1.0)
+    return packed
