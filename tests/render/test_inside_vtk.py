@@ -283,3 +283,28 @@ def test_a_tiled_export_is_the_large_picture() -> None:
     )
     assert (width, height) == (320, 240)
     assert np.abs(tiled.astype(float) - exact[..., :3]).mean() < 1.0
+
+
+@pytest.mark.parametrize("first", ["mesh", "volume"])
+def test_a_translucent_mesh_is_drawn_on_the_side_of_the_volume_where_it_lies(first: str) -> None:
+    of = volume()
+    eye = np.array(camera(of).position)
+    toward = (eye - of.center) / np.linalg.norm(eye - of.center)
+    sphere = pyvista.Sphere(radius=4.0, center=np.array(of.center) + 24 * toward)
+    look = {"color": "red", "opacity": 0.5, "lighting": False}
+    with plotter() as window:
+        if first == "mesh":
+            actor = window.add_mesh(sphere, **look)
+        handle = volviz.add_volume(window, of, transfer_function=opaque_function(of))
+        if first == "volume":
+            actor = window.add_mesh(sphere, **look)
+        place(window, of)
+        in_front = shot(window)[SIZE[1] // 2, SIZE[0] // 2]
+        actor.SetPosition(*(-50 * toward))
+        window.reset_camera_clipping_range()
+        window.render()
+        behind = shot(window)[SIZE[1] // 2, SIZE[0] // 2]
+        handle.remove()
+    assert in_front[0] > 100, "the translucent sphere in front does not tint the volume"
+    assert behind[0] < 40, "the translucent sphere behind shines through the opaque volume"
+    assert behind[1] > 150

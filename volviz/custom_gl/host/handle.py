@@ -13,7 +13,7 @@ from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.frame_uniforms import box_tiles, shared_uniforms
-from volviz.custom_gl.host.hook import Hook
+from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
 from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
 from volviz.custom_gl.host.picture import composite
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
@@ -34,9 +34,6 @@ TILE = (256, 64)
 AT_ONCE_TILE = (16384, 16384)
 #: A full picture that is expected to take less than this is drawn at once instead of refined.
 AT_ONCE_SECONDS = 0.045
-
-# actors that carry our pictures, by id: they are no scenery
-_HOOK_ACTORS: set[int] = set()
 
 
 @dataclass(frozen=True)
@@ -113,7 +110,6 @@ class VolumeHandle:
         self._removed = False
         self._hook = Hook(self.renderer, self._on_hook)
         self._gpu: WindowGpu = acquire(self.window)
-        _HOOK_ACTORS.add(id(self._hook.actor))
         _HANDLES.append(self)
         self._place()
 
@@ -435,7 +431,7 @@ class VolumeHandle:
 
     def _capture_depth(self, gpu: Any) -> None:
         """Copy the depth of opaque geometry unless the copy at hand still shows it."""
-        revision = opaque_revision(self.renderer, _HOOK_ACTORS)
+        revision = opaque_revision(self.renderer, HOOK_ACTORS)
         if not revision:
             self._depth_key = None
             return
@@ -527,7 +523,6 @@ class VolumeHandle:
         if self._removed:
             return
         self._removed = True
-        _HOOK_ACTORS.discard(id(self._hook.actor))
         _HANDLES.remove(self)
         last = not any(other.renderer is self.renderer for other in _HANDLES)
         alive = self._gpu.started and bool(

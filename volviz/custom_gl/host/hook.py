@@ -15,10 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.host import vtk_border as vtk
+from volviz.custom_gl.host.draw_order import sort_translucent
 from volviz.errors import RenderError
 
 # passes that we installed, by renderer address: PyVista's effects replace them, which must be noticed
 _PASSES: dict[str, Any] = {}
+
+#: ``id`` of the actors that stand for volumes: they are no scenery.
+HOOK_ACTORS: set[int] = set()
 
 
 class Hook:
@@ -45,8 +49,9 @@ class Hook:
         self.actor.GetProperty().SetOpacity(0.0)
         self.actor.PickableOff()
         self._observer = self._mapper.AddObserver("StartEvent", lambda *_: callback())
-        self._render_observer = renderer.AddObserver("StartEvent", lambda *_: self.install())
+        self._render_observer = renderer.AddObserver("StartEvent", lambda *_: self._before_rendering())
         renderer.AddActor(self.actor)
+        HOOK_ACTORS.add(id(self.actor))
 
     def set_corners(self, corners: npt.NDArray[np.float64]) -> None:
         """Place the actor's box, so that bounds, camera reset and clipping range come out right.
@@ -90,8 +95,13 @@ class Hook:
         self.renderer.SetPass(steps)
         _PASSES[address] = steps
 
+    def _before_rendering(self) -> None:
+        self.install()
+        sort_translucent(self.renderer, HOOK_ACTORS)
+
     def remove(self, *, last: bool) -> None:
         """Take the actor away and, with the last volume of the renderer, the pass."""
+        HOOK_ACTORS.discard(id(self.actor))
         self._mapper.RemoveObserver(self._observer)
         self.renderer.RemoveObserver(self._render_observer)
         self.renderer.RemoveActor(self.actor)
