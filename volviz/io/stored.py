@@ -172,8 +172,11 @@ def _unpack_at_once(stored: Stored, job: Job) -> npt.NDArray[Any] | None:
     try:
         import imagecodecs
 
-        packed = file.read_bytes()[stored.packed_offset :]
-        decode = imagecodecs.gzip_decode if packed[:2] == b"\x1f\x8b" else imagecodecs.zlib_decode
+        with file.open("rb") as stream:
+            stream.seek(stored.packed_offset)
+            packed = stream.read()
+        # deflate_decode is libdeflate's reader of zlib streams; zlib_decode would be zlib's own
+        decode = imagecodecs.gzip_decode if packed[:2] == b"\x1f\x8b" else imagecodecs.deflate_decode
         unpacked = np.empty(stored.offset + stored.nbytes, np.uint8)
         job.report(0.1, "unpacking")
         result = decode(packed, out=unpacked)
@@ -191,7 +194,8 @@ def _fill_unpacked(target: npt.NDArray[np.uint8], file: Path, stored: Stored, jo
     view = target.data
     skip, done = stored.offset, 0
     try:
-        for block, fraction in _unpacked_blocks(file, stored.packed_offset, stored.encoding):
+        blocks = _unpacked_blocks(file, stored.packed_offset, stored.encoding)
+        for block, fraction in blocks:
             used = block
             if skip:
                 used = block[skip:]
@@ -201,6 +205,9 @@ def _fill_unpacked(target: npt.NDArray[np.uint8], file: Path, stored: Stored, jo
             done += count
             job.report(fraction, "unpacking")
             if done == len(view):
+                if stored.whole:
+                    # the checksum behind the values is compared when the next block is asked for
+                    next(blocks, None)
                 return
     except (zlib.error, OSError, EOFError, ValueError):
         raise job.error("the compressed data is damaged; get the file again.", file) from None

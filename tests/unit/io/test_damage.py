@@ -59,3 +59,23 @@ def test_a_long_stream_is_unpacked_in_blocks_to_the_same_values(tmp_path, monkey
     np.testing.assert_array_equal(load(path, progress=lambda fraction, _: told.append(fraction)).array, array)
     assert len(told) > 20
     assert told == sorted(told)
+
+
+@pytest.mark.parametrize("one_shot", [True, False])
+def test_values_that_fail_their_checksum_are_refused(tmp_path, monkeypatch, one_shot):
+    import gzip
+
+    from volviz.io import stored
+
+    if not one_shot:
+        monkeypatch.setattr(stored, "ONE_SHOT_BYTES", 0)
+    array = scalars((4, 5, 6), "uint8")
+    packed = bytearray(gzip.compress(array.tobytes(), compresslevel=0))
+    path = tmp_path / "v_6x5x4_uint8.raw.gz"
+    path.write_bytes(packed)
+    np.testing.assert_array_equal(load(path).array, array)
+    # without compression a changed value changes nothing but the sum
+    packed[60] ^= 1
+    path.write_bytes(packed)
+    with pytest.raises(VolvizError, match="compressed data is damaged"):
+        load(path)
