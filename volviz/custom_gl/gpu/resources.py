@@ -10,7 +10,13 @@ import numpy as np
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.scalars import BRICK, Texels, bricks_of, choose_format, texels_of
-from volviz.kernels.bricks import chessboard_distance, occupancy, occupancy_for_isovalues, visible_prefix
+from volviz.kernels.bricks import (
+    chessboard_distance,
+    grow_occupancy,
+    occupancy,
+    occupancy_for_isovalues,
+    visible_prefix,
+)
 from volviz.model.transfer_function import TransferFunction, table_size
 from volviz.model.volume import Volume
 
@@ -151,6 +157,10 @@ class VolumeResources:
         return self._cached(self._distances, "isovalues", key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
+        coarse = max(self.texels.factor)
+        if coarse > 1:
+            # texels of a reduced volume mix voxels from farther away than the bricks' own margin
+            occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
         empty = np.minimum(chessboard_distance(occupied), 127)
         visible = np.minimum(chessboard_distance(~occupied), 128) + 127
         distance = np.where(occupied, visible, empty).astype(np.uint8)

@@ -21,12 +21,7 @@ def sort_translucent(renderer: Any, hooks: set[int]) -> None:
     """
     props = renderer.GetViewProps()
     direction = np.array(renderer.GetActiveCamera().GetDirectionOfProjection())
-    translucent = []
-    for prop in props:
-        if id(prop) in hooks:
-            translucent.append(prop)
-        elif prop.GetVisibility() and not prop.IsA("vtkActor2D") and prop.HasTranslucentPolygonalGeometry():
-            translucent.append(prop)
+    translucent = [prop for prop in props if id(prop) in hooks or _is_translucent(prop)]
     if len(translucent) < 2:
         return
 
@@ -42,3 +37,8 @@ def sort_translucent(renderer: Any, hooks: set[int]) -> None:
         props.RemoveItem(prop)
     for prop in wanted:
         props.AddItem(prop)
+
+
+def _is_translucent(prop: Any) -> bool:
+    flat = prop.IsA("vtkActor2D")
+    return bool(prop.GetVisibility() and not flat and prop.HasTranslucentPolygonalGeometry())

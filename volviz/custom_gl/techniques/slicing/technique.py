@@ -8,7 +8,7 @@ from typing import Any
 import moderngl
 
 from volviz.custom_gl.gpu.programs import Program
-from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.gpu.targets import Target, TargetPool
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.slicing.polygons import SlicePolygons
@@ -40,6 +40,8 @@ class Slicing:
         self.polygons = SlicePolygons()
         self._arrays: dict[int, tuple[Any, Any]] = {}
         self._parts: list[tuple[int, int, int]] = []
+        self._pool: TargetPool | None = None
+        self._purposes: set[str] = set()
 
     def plan(self, frame: Frame) -> int:
         """One chunk for each part of a tile's slices, and a last one."""
@@ -153,14 +155,16 @@ class Slicing:
     # ------------------------------------------------------------------ objects on the GPU
 
     def _accumulation(self, frame: Frame) -> Target:
-        return frame.gpu.targets.get(
-            f"slicing accumulation {id(self)} {frame.interactive}", frame.size, depth=False
-        )
+        return self._target(frame, "accumulation")
 
     def _integral(self, frame: Frame) -> Target:
-        return frame.gpu.targets.get(
-            f"slicing integral {id(self)} {frame.interactive}", frame.size, depth=False
-        )
+        return self._target(frame, "integral")
+
+    def _target(self, frame: Frame, purpose: str) -> Target:
+        self._pool = frame.gpu.targets
+        name = f"slicing {purpose} {id(self)} {frame.interactive}"
+        self._purposes.add(name)
+        return self._pool.get(name, frame.size, depth=False)
 
     def _array(self, frame: Frame, program: Program) -> Any:
         """The vertex array of a program, remade when the buffer was."""
@@ -175,7 +179,11 @@ class Slicing:
         return array
 
     def release(self) -> None:
-        """Release buffers and vertex arrays."""
+        """Release buffers, vertex arrays and targets."""
+        if self._pool is not None:
+            for purpose in self._purposes:
+                self._pool.drop(purpose)
+            self._purposes.clear()
         for _, array in self._arrays.values():
             array.release()
         self._arrays.clear()
