@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import random
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +19,7 @@ from volviz_ui.panels.technique import change_setting
 from volviz_ui.panels.technique_box import choose_technique, current_technique, drawing_techniques
 
 Wait = Callable[..., None]
-OPERATIONS = 120
+OPERATIONS = int(os.environ.get("VOLVIZ_RANDOM_OPERATIONS", "120"))
 WARM_UP = 40
 GROWTH_MEGABYTES = 50
 

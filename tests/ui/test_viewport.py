@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
 
 from tests.ui.conftest import drag, foreground, is_complete, picture, turn_wheel
 from volviz.model.transfer_function import TransferFunction
@@ -116,6 +118,57 @@ def test_ctrl_and_wheel_change_the_distance_of_the_light(window: MainWindow, wai
     far = np.linalg.norm(np.subtract(window.store.scene.light.position, centre_of_volume))
     assert far > near
     wait_for(lambda: not window.viewport.is_moving)
+
+
+def test_a_ctrl_drag_shifts_and_stretches_the_colours_as_one_step(window: MainWindow) -> None:
+    before = window.store.scene.layer.transfer_function
+    camera = window.viewport.view_camera
+    control = Qt.KeyboardModifier.ControlModifier
+    drag(window.viewport, centre(window), centre(window) + QPoint(60, 0), modifiers=control)
+    after = window.store.scene.layer.transfer_function
+    moved = [b.value - a.value for a, b in zip(before.points, after.points, strict=True)]
+    assert min(moved) > 0
+    assert max(moved) == pytest.approx(min(moved))
+    assert window.viewport.view_camera == camera
+    window.actions_.undo.trigger()
+    assert window.store.scene.layer.transfer_function == before
+    assert window.store.undo_label is None
+
+
+def test_escape_takes_a_ctrl_drag_back(window: MainWindow) -> None:
+    before = window.store.scene.layer.transfer_function
+    control = Qt.KeyboardModifier.ControlModifier
+    QTest.mousePress(window.viewport, Qt.MouseButton.LeftButton, control, centre(window))
+    for step in (10, 30, 50):
+        position = centre(window) + QPoint(step, step)
+        event = QMouseEvent(
+            QEvent.Type.MouseMove,
+            QPointF(position),
+            QPointF(window.viewport.mapToGlobal(position)),
+            Qt.MouseButton.NoButton,
+            Qt.MouseButton.LeftButton,
+            control,
+        )
+        QApplication.sendEvent(window.viewport, event)
+    assert window.store.scene.layer.transfer_function != before
+    QTest.keyClick(window.viewport, Qt.Key.Key_Escape)
+    assert window.store.scene.layer.transfer_function == before
+    assert window.store.undo_label is None
+    QTest.mouseRelease(window.viewport, Qt.MouseButton.LeftButton, control, centre(window))
+    assert not window.viewport.is_moving
+
+
+def test_the_first_view_is_filled_by_what_is_visible(window: MainWindow, wait_for: Wait) -> None:
+    solid = TransferFunction.from_points([(100, (1, 1, 1, 0)), (150, (1, 1, 1, 1))])
+    window.store.update(lambda scene: scene.with_layer(transfer_function=solid))
+    window.actions_.reset_camera.trigger()
+    wait_for(lambda: is_complete(window))
+    rows, columns = np.nonzero(foreground(window))
+    height, width = foreground(window).shape
+    extent = max((np.ptp(rows) + 1) / height, (np.ptp(columns) + 1) / width)
+    assert 0.75 < extent < 0.97
+    assert rows.min() > 2
+    assert columns.min() > 2
 
 
 def test_an_idle_window_draws_no_frame(window: MainWindow) -> None:

@@ -12,9 +12,9 @@ from volviz.model.camera import Camera
 from volviz.model.light import default_position
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
-from volviz.offscreen import default_camera
 from volviz_ui.camera_moves import light_moved, light_turned
 from volviz_ui.documents import Documents
+from volviz_ui.framing import framing_camera
 from volviz_ui.pacer import Pacer
 from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.viewport import Viewport
@@ -174,10 +174,11 @@ class Display(QObject):
 
     def _frame_scene(self, volume: Volume, scene: Scene) -> None:
         camera = scene.view.camera
-        if camera is None:
-            camera = default_camera(volume, self._viewport.pixel_size)
+        if camera is None and scene.layer is not None:
+            camera = framing_camera(volume, scene.layer.transfer_function, self._viewport.pixel_size)
             self._commit(camera)
-        self._viewport.show_camera(camera)
+        if camera is not None:
+            self._viewport.show_camera(camera)
         self._viewport.light_is_movable = "light" in current_technique(scene).handles
 
     def _on_scene_changed(self, old: Scene, new: Scene) -> None:

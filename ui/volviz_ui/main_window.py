@@ -31,7 +31,7 @@ from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.panels.technique_box import current_technique
-from volviz_ui.picking import picked_voxel
+from volviz_ui.picking import Picked, picked_voxel
 from volviz_ui.preferences import Preferences
 from volviz_ui.scenery import Scenery
 from volviz_ui.session_commands import SessionCommands
@@ -152,6 +152,11 @@ class MainWindow(QMainWindow):
         self.display.failed.connect(self._on_drawing_failed)
         self.display.recovered.connect(self._on_drawing_recovered)
         self.display.status_changed.connect(self.status_line.show_status)
+        self.viewport.function_drag_started.connect(self.transfer_editor.begin_shift_stretch)
+        self.viewport.function_dragged.connect(self.transfer_editor.shift_stretch)
+        self.viewport.function_drag_ended.connect(
+            lambda cancelled: self.transfer_editor.end_shift_stretch(cancel=cancelled)
+        )
         self.viewport.pointer_moved.connect(self._on_pointer_moved)
         self.viewport.pointer_left.connect(self._on_pointer_left)
         self.store.history_changed.connect(self._show_history)
@@ -286,7 +291,7 @@ class MainWindow(QMainWindow):
 
     def _on_pointer_left(self) -> None:
         self._pointer = None
-        self.status_line.show_picked(None, "")
+        self._show_picked(None)
 
     def _pick(self) -> None:
         volume, layer = self.documents.volume, self.store.scene.layer
@@ -303,7 +308,12 @@ class MainWindow(QMainWindow):
             )
         except InputError:
             picked = None
-        self.status_line.show_picked(picked, volume.unit)
+        self._show_picked(picked)
+
+    def _show_picked(self, picked: Picked | None) -> None:
+        volume = self.documents.volume
+        self.status_line.show_picked(picked, volume.unit if volume is not None else "")
+        self.transfer_editor.highlight_value(None if picked is None else picked.value)
 
     # ------------------------------------------------------------------ errors of drawing
 

@@ -24,6 +24,7 @@ class Drag(Enum):
     PAN = "pan"
     ZOOM = "zoom"
     LIGHT = "light"
+    FUNCTION = "function"
 
 
 class Viewport(QtInteractor):
@@ -40,6 +41,11 @@ class Viewport(QtInteractor):
     """Pixels right and down since the last time."""
     light_wheeled = Signal(float)
     """Factor by which the light comes nearer."""
+    function_drag_started = Signal()
+    function_dragged = Signal(float, float)
+    """How far right and up the drag has gone, in fractions of the viewport's size."""
+    function_drag_ended = Signal(bool)
+    """Whether Escape has cancelled it."""
     pointer_moved = Signal(QPointF)
     pointer_left = Signal()
     frame_drawn = Signal()
@@ -56,6 +62,7 @@ class Viewport(QtInteractor):
         self.awaits_frame = False
         self._drag: Drag | None = None
         self._last = QPointF()
+        self._start = QPointF()
         self._moving = False
         self._wheel_angle = 0.0
         self._wheel_rest = QTimer(self)
@@ -130,7 +137,7 @@ class Viewport(QtInteractor):
         self.setFocus(Qt.FocusReason.MouseFocusReason)
         if self._drag is None:
             self._drag = self._meaning(event)
-            self._last = event.position()
+            self._last = self._start = event.position()
         event.accept()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
@@ -140,7 +147,9 @@ class Viewport(QtInteractor):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Move camera or light, or tell where the pointer is."""
         if self._drag is None or event.buttons() == Qt.MouseButton.NoButton:
-            self._drag = None
+            if self._drag is not None:
+                # the button was let go where nobody could tell us
+                self._end_drag(cancelled=False)
             self.pointer_moved.emit(event.position())
             return
         step = event.position() - self._last
@@ -155,14 +164,16 @@ class Viewport(QtInteractor):
             self.show_camera(panned(self.view_camera, dx, dy, size))
         elif self._drag is Drag.ZOOM:
             self.show_camera(zoomed(self.view_camera, WHEEL_STEP ** (-dy / 20)))
+        elif self._drag is Drag.FUNCTION:
+            way = event.position() - self._start
+            self.function_dragged.emit(way.x() / max(self.width(), 1), -way.y() / max(self.height(), 1))
         else:
             self.light_dragged.emit(dx, dy)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The drag is over when the last button is up."""
         if event.buttons() == Qt.MouseButton.NoButton:
-            self._drag = None
-            self._end_move()
+            self._end_drag(cancelled=False)
         event.accept()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -197,8 +208,11 @@ class Viewport(QtInteractor):
         self.pointer_left.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Keys belong to the window."""
-        event.ignore()
+        """Escape cancels a drag of the transfer function; all other keys belong to the window."""
+        if event.key() == Qt.Key.Key_Escape and self._drag is Drag.FUNCTION:
+            self._end_drag(cancelled=True)
+        else:
+            event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
         """Keys belong to the window."""
@@ -209,12 +223,22 @@ class Viewport(QtInteractor):
             return Drag.LIGHT if self.light_is_movable else Drag.ZOOM
         if event.button() == Qt.MouseButton.MiddleButton:
             return Drag.ZOOM
+        if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            return Drag.FUNCTION
         return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.ROTATE
 
     def _begin_move(self) -> None:
         if not self._moving:
             self._moving = True
             self.gesture_started.emit()
+            if self._drag is Drag.FUNCTION:
+                self.function_drag_started.emit()
+
+    def _end_drag(self, *, cancelled: bool) -> None:
+        drag, self._drag = self._drag, None
+        if drag is Drag.FUNCTION and self._moving:
+            self.function_drag_ended.emit(cancelled)
+        self._end_move()
 
     def _end_move(self) -> None:
         if self._moving and self._drag is None:

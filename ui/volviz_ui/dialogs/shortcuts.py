@@ -61,6 +61,7 @@ class ShortcutsDialog(QDialog):
             (self.tr("Zoom"), self.tr("Wheel, middle drag")),
             (self.tr("Move the light (or zoom)"), self.tr("Right drag")),
             (self.tr("Distance of the light"), self.tr("Ctrl + wheel")),
+            (self.tr("Shift and stretch the colours"), self.tr("Ctrl + left drag")),
             (self.tr("Slider back to its default"), self.tr("Double-click")),
             (self.tr("Open a file or folder"), self.tr("Drop it on the window")),
         ]
