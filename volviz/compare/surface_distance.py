@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from volviz.errors import InputError
 from volviz.kernels.compiled import compiled
+from volviz.kernels.threads import map_ranges
 
 Array = npt.NDArray[Any]
 
@@ -90,7 +91,9 @@ def distances_to_surface(
     boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
     _build(corners, triangles, boxes, leaves)
     result = np.empty(len(queries))
-    _search(queries, corners, triangles, boxes, leaves, result)
+    map_ranges(
+        lambda a, b: _search(queries[a:b], corners, triangles, boxes, leaves, result[a:b]), len(queries)
+    )
     return result
 
 
