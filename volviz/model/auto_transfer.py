@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from volviz.model.volume import Volume
 
 #: Mean alpha aimed at over the rays that meet something, and the limits of the mean over all rays of the box.
-TARGET_COVERED, TARGET_LOW, TARGET_HIGH = 0.6, 0.2, 0.6
+TARGET_COVERED, TARGET_LOW, TARGET_HIGH = 0.88, 0.2, 0.68
 #: Mean alpha of the veil over the box of data with next to nothing in them.
-VEIL = 0.12
+VEIL = 0.14
 #: Share of rays that must meet something, or the threshold is lowered.
 LEAST_COVERAGE = 0.04
 #: Distinct values up to which whole numbers are taken for labels.
@@ -35,11 +35,11 @@ MOST_OPAQUE_STEP = 0.5
 
 #: Dark to light, cool to warm, lightness rising all the way.
 RAMP: tuple[Color, ...] = (
-    (0.16, 0.21, 0.38),
-    (0.18, 0.40, 0.56),
-    (0.44, 0.61, 0.62),
-    (0.83, 0.71, 0.53),
-    (0.96, 0.86, 0.68),
+    (0.12, 0.17, 0.38),
+    (0.11, 0.38, 0.60),
+    (0.34, 0.63, 0.66),
+    (0.89, 0.70, 0.45),
+    (0.98, 0.86, 0.65),
     (1.00, 0.98, 0.92),
 )
 #: Value in HU, colour and relative opacity: skin and lung as a veil, muscle, then bone.
@@ -265,7 +265,7 @@ def _otsu(values: Floats, weights: Floats | None, cuts: int, bins: int = 64) -> 
 def _of_levels(levels: _Levels, look: FirstLook) -> TransferFunction:
     """Opacity rises in steps at the levels; colours run from cool and dark to warm and light."""
     stations = (levels.start, *levels.steps, levels.end)
-    opacities = (0.0, *np.linspace(0.05, 0.2, len(levels.steps)), 0.5)
+    opacities = (0.0, *np.linspace(0.02, 0.2, len(levels.steps)), 0.55)
     points = [ControlPoint(min(look.low, levels.start), RAMP[0], 0.0)]
     for rank, (value, opacity) in enumerate(zip(stations, opacities, strict=True)):
         # Half by rank, half by value: classes differ in colour even where they lie close together.
@@ -299,7 +299,7 @@ def _calibrated(function: TransferFunction, look: FirstLook) -> TransferFunction
     """The function with opacities scaled until the foreseen pictures have the mean alpha aimed at."""
     # Several times as dense, what is there is opaque, and specks of noise still hardly count.
     covered = float(look.mean_alphas(4.0 * look.extinctions(function)).mean())
-    target = min(max(TARGET_COVERED * covered, TARGET_LOW), TARGET_HIGH, 0.8 * covered)
+    target = min(max(TARGET_COVERED * covered, TARGET_LOW), TARGET_HIGH, 0.92 * covered)
     if covered < LEAST_COVERAGE:
         # Too little for the foreseen rays to judge: as dense as it may get, and the veil does the rest.
         target = 1.0
