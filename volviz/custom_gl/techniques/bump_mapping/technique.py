@@ -1,0 +1,273 @@
+"""Bump mapping: surfaces drawn back to front, lit per pixel in tangent space."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.technique import Frame, Tile
+from volviz.custom_gl.techniques.bump_mapping.maps import MapTextures
+from volviz.custom_gl.techniques.bump_mapping.mesh_surface import mesh_data
+from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS
+from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
+from volviz.model.auto_isovalue import auto_isovalue
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.gpu.programs import Program
+    from volviz.custom_gl.gpu.targets import Target
+
+_HERE = Path(__file__).parent
+
+#: Height of the whole range of the data at strength 1, in mean voxel spacings.
+RELIEF_VOXELS = 6.0
+#: Tiles along the longest edge of the box when no tile size is chosen.
+TILES = 4
+#: Pixels that one chunk may draw: about 20 ms on software OpenGL.
+CHUNK_PIXELS = 160_000
+
+_ENCODINGS = {"float": 0, "bytes": 1, "bytes_classic": 2}
+_DISPLAYS = {name: number for number, (name, _) in enumerate(DISPLAYS)}
+_OVER = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+_MODULATE = (moderngl.DST_COLOR, moderngl.ZERO)
+_ATTRIBUTES = (("3f", "a_position"), ("3f", "a_normal"), ("4f", "a_tangent"), ("2f", "a_uv"))
+_GL_TEXTURE_CUBE_MAP_SEAMLESS = 0x884F
+
+
+class BumpMapping:
+    """Draws the pieces of surface in horizontal bands of the picture."""
+
+    writes_depth = True
+
+    def __init__(self) -> None:
+        self._maps = MapTextures()
+        self._geometry: _Geometry | None = None
+        self._ranges: list[tuple[int, int, int]] = []
+        self._bands: list[Tile] = []
+        self._targets: Any = None
+        self._isovalue = 0.0
+
+    def plan(self, frame: Frame) -> int:
+        """One chunk per band."""
+        self._update_geometry(frame)
+        self._bands = bands(frame.tiles, CHUNK_PIXELS)
+        return max(len(self._bands), 1)
+
+    def draw(self, frame: Frame, chunk: int) -> None:
+        """All layers within one band."""
+        if not self._bands or self._geometry is None:
+            return
+        band = self._bands[chunk]
+        frame.gpu.gl.enable_direct(_GL_TEXTURE_CUBE_MAP_SEAMLESS)
+        for _, first, count in self._ranges:
+            if frame.settings.two_passes:
+                self._draw_twice(frame, band, first, count)
+            else:
+                self._draw_once(frame, band, first, count)
+        frame.gpu.gl.scissor = None
+
+    # ------------------------------------------------------------------ passes
+
+    def _draw_depth(self, frame: Frame, first: int, count: int) -> None:
+        """The depth of a mesh into the bound target."""
+        program = frame.program(_HERE / "relief.vert", _HERE / "mesh_depth.frag", self._defines(frame, 0))
+        program.set(self._uniforms(frame))
+        frame.gpu.gl.fbo.color_mask = (False, False, False, False)
+        self._render(program, first, count)
+        frame.gpu.gl.fbo.color_mask = (True, True, True, True)
+
+    def _draw_once(self, frame: Frame, band: Tile, first: int, count: int) -> None:
+        gl = frame.gpu.gl
+        program = self._program(frame, 0)
+        frame.target.fbo.use()
+        gl.scissor = band
+        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        gl.depth_func, gl.blend_func = "<=", _OVER
+        if frame.settings.surface == "mesh":
+            self._draw_depth(frame, first, count)
+        self._render(program, first, count)
+
+    def _draw_twice(self, frame: Frame, band: Tile, first: int, count: int) -> None:
+        """Light, then colour on top of it, in a target of its own, so that nothing behind is multiplied."""
+        gl = frame.gpu.gl
+        target = self._layer(frame)
+        light, color = self._program(frame, 1), self._program(frame, 2)
+        target.fbo.use()
+        target.fbo.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=band)
+        gl.viewport = (0, 0, *frame.size)
+        gl.scissor = band
+        gl.depth_func = "<="
+        gl.enable_only(moderngl.DEPTH_TEST)
+        self._render(light, first, count)
+        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        gl.blend_func = _MODULATE
+        self._render(color, first, count)
+        over = frame.program(GLSL / "fullscreen.vert", _HERE / "layer.frag")
+        over.use_texture("t_layer", target.color)
+        over.use_texture("t_layer_depth", target.depth)
+        frame.target.fbo.use()
+        gl.viewport = (0, 0, *frame.size)
+        gl.scissor = band
+        gl.blend_func = _OVER
+        frame.gpu.draw_fullscreen(over)
+
+    def _render(self, program: Program, first: int, count: int) -> None:
+        assert self._geometry is not None
+        self._geometry.array(program).render(moderngl.TRIANGLES, vertices=count, first=first)
+
+    # ------------------------------------------------------------------ what is drawn
+
+    def _update_geometry(self, frame: Frame) -> None:
+        s = frame.settings
+        middle = np.asarray(frame.volume.center)
+        if s.surface == "mesh":
+            self._isovalue = auto_isovalue(frame.volume) if s.isovalue is None else s.isovalue
+            key: Any = ("mesh", frame.volume, self._isovalue, s.stride)
+            if self._geometry is None or self._geometry.key != key:
+                self._replace(_Geometry(frame, key, *mesh_data(frame.volume, self._isovalue, s.stride)))
+                assert self._geometry is not None
+                self._ranges = [(0, 0, self._geometry.elements)]
+            return
+        pieces = polygons(
+            frame.box_corners,
+            frame.volume.direction,
+            surface=s.surface,
+            plane=(s.plane_origin, s.plane_normal),
+            up=s.plane_up,
+            eye=np.asarray(frame.uniforms["u_eye"]),
+        )
+        data, self._ranges = vertex_data(pieces, middle, s.subdivisions if s.lighting == "vertex" else 1)
+        key = ("polygons", data.tobytes())
+        if self._geometry is None or self._geometry.key != key:
+            self._replace(_Geometry(frame, key, data) if len(data) else None)
+
+    def _replace(self, geometry: _Geometry | None) -> None:
+        if self._geometry is not None:
+            self._geometry.release()
+        self._geometry = geometry
+
+    def _program(self, frame: Frame, part: int) -> Program:
+        """The program of one pass with its textures and uniforms: 0 all at once, 1 light, 2 colour."""
+        s = frame.settings
+        program = frame.program(_HERE / "relief.vert", _HERE / "relief.frag", self._defines(frame, part))
+        if "t_normal_map" in program.units:
+            texture = self._maps.normal_map(frame.gpu, s.normal_source, s.normal_image, s.encoding)
+            program.use_texture("t_normal_map", texture)
+        if "t_normalization" in program.units:
+            program.use_texture(
+                "t_normalization", self._maps.cube_map(frame.gpu, s.cube_map_size, s.encoding)
+            )
+        program.set(self._uniforms(frame))
+        return program
+
+    def _defines(self, frame: Frame, part: int) -> dict[str, object]:
+        s = frame.settings
+        return {
+            "PASS": part,
+            "MESH": s.surface == "mesh",
+            "SOURCE_DATA": s.normal_source == "data",
+            "COLOR_TABLE": s.color_source == "transfer_function",
+            "CUT_OUT": bool(s.cut_out),
+            "CUBE_MAP": s.normalization == "cube_map",
+            "ENCODING": _ENCODINGS[s.encoding],
+            "DOT3_ALPHA": s.dot3 == "rgba" and s.display in {"image", "diffuse"},
+            "VERTEX_LIGHTING": s.lighting == "vertex",
+            "SELF_SHADOWING": bool(s.self_shadowing),
+            "DISPLAY": _DISPLAYS[s.display],
+        }
+
+    def _uniforms(self, frame: Frame) -> dict[str, Any]:
+        s, volume, shared = frame.settings, frame.volume, frame.uniforms
+        middle = np.asarray(volume.center)
+        to_world = np.eye(4)
+        to_world[:3, 3] = middle
+        low, high = volume.range
+        extent = np.ptp(np.asarray(frame.crop).reshape(3, 2), axis=1) * volume.spacing
+        tile = s.tile_size if s.tile_size is not None else float(extent.max()) / TILES
+        return {
+            "u_relative_to_clip": frame.camera.view_projection @ to_world,
+            "u_relative_to_texture": shared["u_world_to_texture"] @ to_world,
+            "u_relative_light": tuple(np.asarray(shared["u_light_position"]) - middle),
+            "u_relative_eye": tuple(np.asarray(shared["u_eye"]) - middle),
+            "u_tiles_per_world": 1.0 / tile,
+            "u_bump_strength": s.bump_strength,
+            "u_relief_height": s.bump_strength * RELIEF_VOXELS * volume.mean_spacing,
+            "u_green": -1.0 if s.normal_source == "image" and s.flip_green else 1.0,
+            "u_lighting": (s.ambient, s.diffuse),
+            "u_flat_color": s.flat_color,
+            "u_mesh_fraction": (self._isovalue - low) / (high - low) if high > low else 0.0,
+            "u_mesh_reach": 0.75 * s.stride * volume.mean_spacing,
+        }
+
+    # ------------------------------------------------------------------ objects on the GPU
+
+    def _layer(self, frame: Frame) -> Target:
+        self._targets = frame.gpu.targets
+        return frame.gpu.targets.get(_purpose(self, interactive=frame.interactive), frame.size)
+
+    def release(self) -> None:
+        """Release buffers, textures and the target of two passes."""
+        self._replace(None)
+        self._maps.release()
+        if self._targets is not None:
+            for interactive in (False, True):
+                self._targets.drop(_purpose(self, interactive=interactive))
+            self._targets = None
+
+
+class _Geometry:
+    """Vertices and, for a mesh, triangles on the GPU, with one vertex array per program."""
+
+    def __init__(
+        self,
+        frame: Frame,
+        key: Any,
+        data: npt.NDArray[np.float32],
+        faces: npt.NDArray[np.int32] | None = None,
+    ) -> None:
+        self.key = key
+        self.elements = len(data) if faces is None else faces.size
+        self._gl = frame.gpu.gl
+        self._vertices = self._gl.buffer(data.tobytes() or b"\0" * 48)
+        self._faces = None if faces is None else self._gl.buffer(faces.tobytes() or b"\0" * 12)
+        self._arrays: dict[int, Any] = {}
+
+    def array(self, program: Program) -> Any:
+        """The vertex array of a program, with the attributes that it has."""
+        array = self._arrays.get(program.gl.glo)
+        if array is None:
+            layout, names = [], []
+            for kind, name in _ATTRIBUTES:
+                layout.append(kind if name in program else f"{int(kind[0]) * 4}x")
+                names += [name] if name in program else []
+            content = [(self._vertices, " ".join(layout), *names)]
+            array = self._gl.vertex_array(program.gl, content, self._faces)
+            self._arrays[program.gl.glo] = array
+        return array
+
+    def release(self) -> None:
+        """Release buffers and vertex arrays."""
+        for array in self._arrays.values():
+            array.release()
+        self._arrays.clear()
+        self._vertices.release()
+        if self._faces is not None:
+            self._faces.release()
+
+
+def bands(tiles: tuple[Tile, ...], pixels: int) -> list[Tile]:
+    """Horizontal bands of at most about so many pixels that together cover the tiles."""
+    if not tiles:
+        return []
+    left, right = min(t[0] for t in tiles), max(t[0] + t[2] for t in tiles)
+    bottom, top = min(t[1] for t in tiles), max(t[1] + t[3] for t in tiles)
+    rows = max(pixels // (right - left), 1)
+    return [(left, y, right - left, min(rows, top - y)) for y in range(bottom, top, rows)]
+
+
+def _purpose(technique: BumpMapping, *, interactive: bool) -> str:
+    return f"bump_mapping layer {id(technique)} {'interactive' if interactive else 'full'}"
