@@ -10,7 +10,7 @@ from volviz.model.volume import Volume
 
 
 def picture(
-    volume: Volume, function: TransferFunction, azimuth: float = 30.0, elevation: float = 20.0, size: int = 48
+    volume: Volume, function: TransferFunction, azimuth: float = 30.0, elevation: float = 20.0, size: int = 36
 ) -> tuple[np.ndarray, np.ndarray]:
     """Orthographic picture (size, size, 4), premultiplied, and the mask of rays that meet the box."""
     low = volume.range[0]
@@ -28,7 +28,7 @@ def picture(
     near, far = np.minimum(a, b).max(-1), np.maximum(a, b).min(-1)
     hit = far > near
     depth = np.where(hit, far - near, 0.0)
-    steps = min(int(np.ceil(depth.max() / volume.mean_spacing)), 300)
+    steps = min(int(np.ceil(depth.max() / volume.mean_spacing)), 160)
     out, through = np.zeros((size, size, 4)), np.ones((size, size))
     for i in range(steps):
         at = (start + (near + (i + 0.5) / steps * depth)[..., None] * ahead) / np.array(volume.spacing)
