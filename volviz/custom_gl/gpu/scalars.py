@@ -8,7 +8,9 @@ filter them to 8 bits, which ruins gradients and isosurfaces.
 from __future__ import annotations
 
 import weakref
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from threading import Lock
 from typing import Any, Literal
 
@@ -65,6 +67,7 @@ class Bricks:
 
 
 _lock = Lock()
+_jobs: weakref.WeakKeyDictionary[Volume, Future[None]] = weakref.WeakKeyDictionary()
 _bricks: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
 _texels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], Texels]] = (
     weakref.WeakKeyDictionary()
@@ -120,6 +123,40 @@ def texels_of(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> Te
         with _lock:
             _texels.setdefault(volume, {})[key] = known
     return known
+
+
+def is_prepared(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> bool:
+    """Whether bricks and texels of a volume are made; if not, they are begun on a thread of their own.
+
+    Raises
+    ------
+    Exception
+        Whatever went wrong on that thread.
+    """
+    key = (kind, max_edge, max_bytes)
+    with _lock:
+        if key in _texels.get(volume, {}) and volume in _bricks:
+            return True
+        job = _jobs.get(volume)
+        if job is None:
+            job = _jobs[volume] = _preparer().submit(_prepare, volume, key)
+    if not job.done():
+        return False
+    with _lock:
+        _jobs.pop(volume, None)
+    job.result()
+    return True
+
+
+def _prepare(volume: Volume, key: tuple[Format, int, int]) -> None:
+    bricks_of(volume)
+    texels_of(volume, *key)
+
+
+@cache
+def _preparer() -> ThreadPoolExecutor:
+    # not the kernels' own pool: the work waits for tasks in that one
+    return ThreadPoolExecutor(1, thread_name_prefix="volviz-shared-kernel-texels")
 
 
 def reduction(shape: tuple[int, ...], kind: Format, max_edge: int, max_bytes: int) -> tuple[int, int, int]:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from volviz.custom_gl.gpu.context import Gpu
-from volviz.custom_gl.gpu.resources import VolumeResources
+from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
+from volviz.custom_gl.gpu.scalars import is_prepared
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.frame_uniforms import box_tiles, shared_uniforms
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
@@ -252,8 +253,12 @@ class VolumeHandle:
             return True
 
     def _refine(self, budget: float) -> bool:
-        resources = self._ready_resources()
         begin = time.perf_counter()
+        if not self._is_prepared():
+            # let the thread that prepares the volume have the interpreter
+            time.sleep(min(budget, 0.004))
+            return False
+        resources = self._ready_resources()
         while not resources.complete:
             resources.upload(1)
             self._gpu.gpu.gl.finish()
@@ -264,8 +269,13 @@ class VolumeHandle:
             return True
         if self._refinement is None or self._refinement.key != key:
             frame = self._frame(FULL)
+            chunks = self._plan(frame)
+            if not chunks:
+                self._report_waiting()
+                return False
+            # not before: while the technique waits, this target may still hold the picture that is shown
             frame.target.clear()
-            self._refinement = _Refinement(key, frame, self._plan(frame))
+            self._refinement = _Refinement(key, frame, chunks)
         work = self._refinement
         while work.done < work.chunks:
             chunk_begin = time.perf_counter()
@@ -307,6 +317,10 @@ class VolumeHandle:
 
     def _draw_what_is_due(self) -> None:
         """Make sure that there is a picture of the present state, at the resolution that time allows."""
+        if self.pacer is not None and not self._is_prepared():
+            self._picture = None
+            self.pacer.request(self)
+            return
         resources = self._ready_resources()
         if self.pacer is None:
             resources.upload()
@@ -334,8 +348,15 @@ class VolumeHandle:
     def _draw_at(self, level: Level, key: Any) -> None:
         begin = time.perf_counter()
         frame = self._frame(level, tile=AT_ONCE_TILE)
+        chunks = self._plan(frame)
+        while not chunks and self.pacer is None:
+            chunks = self._plan(frame)
+        if not chunks and self.pacer is not None:
+            self._report_waiting()
+            self.pacer.request(self)
+            return
         frame.target.clear()
-        for chunk in range(self._plan(frame)):
+        for chunk in range(chunks):
             self._draw_chunk(frame, chunk)
         if self.pacer is not None:
             # without waiting, only the submission of the work would be timed
@@ -347,7 +368,13 @@ class VolumeHandle:
 
     def _plan(self, frame: Frame) -> int:
         self._clean(frame)
-        return self._current_technique().plan(frame)
+        chunks = self._current_technique().plan(frame)
+        self._clean(frame)
+        return chunks
+
+    def _report_waiting(self) -> None:
+        """The technique waits for a worker: the last picture stays."""
+        self._report(FrameStatus(self._picture.level.fraction if self._picture else 0.0, 0.0, False, 0.0))
 
     def _draw_chunk(self, frame: Frame, chunk: int) -> None:
         self._clean(frame)
@@ -384,6 +411,12 @@ class VolumeHandle:
         if self._technique is None:
             self._technique = self._info.create()
         return self._technique
+
+    def _is_prepared(self) -> bool:
+        """Whether textures of the volume can be made without computing them here first."""
+        if self._resources is not None and self._resources.volume is self._volume:
+            return True
+        return is_prepared(self._volume, *texel_limits(self._gpu.gpu, self._volume))
 
     def _ready_resources(self) -> VolumeResources:
         if self._resources is not None and self._resources.volume is not self._volume:

@@ -90,15 +90,22 @@ class CostModel:
 
     def __init__(self) -> None:
         self._full_seconds: float | None = None
+        self._last_full_seconds = 0.0
 
     @property
     def full_seconds(self) -> float | None:
-        """Estimated seconds of a full picture, None before the first one."""
-        return self._full_seconds
+        """Seconds to expect of a full picture, None before the first one.
+
+        Never less than the last full picture took: techniques that draw a simpler thing while something moves
+        make the full one look cheaper than it is.
+        """
+        return None if self._full_seconds is None else max(self._full_seconds, self._last_full_seconds)
 
     def observe(self, level: Level, seconds: float) -> None:
         """A picture at that level took so long."""
         estimate = seconds / level.share
+        if level == FULL:
+            self._last_full_seconds = seconds
         if self._full_seconds is None or level == FULL:
             self._full_seconds = estimate
         else:
@@ -110,6 +117,7 @@ class CostModel:
     def forget(self) -> None:
         """Another technique or volume: nothing is known."""
         self._full_seconds = None
+        self._last_full_seconds = 0.0
 
     def level(self, quality: Quality) -> Level:
         """The best level that keeps the interactive budget."""
@@ -119,7 +127,8 @@ class CostModel:
         if self._full_seconds is None:
             return FIRST_LEVEL
         for level in LEVELS:
-            if self._full_seconds * level.share <= budget:
+            expected = self.full_seconds if level == FULL else self._full_seconds * level.share
+            if expected is not None and expected <= budget:
                 return level
         return LEVELS[-1]
 
