@@ -5,61 +5,49 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-#: Where the eye stands among the lattice planes of each axis, as whole numbers; -1 before, N behind all N voxels.
-EyePlanes = tuple[int, int, int]
+#: Homogeneous world point (x, y, z, w) of the eye; w = 0: infinitely far away in that direction.
+Eye = tuple[float, float, float, float]
 
-
-def eye_planes(eye: npt.ArrayLike, dimensions: tuple[int, int, int]) -> EyePlanes:
-    """The eye's place among the planes of voxels.
-
-    Parameters
-    ----------
-    eye : array_like of shape (4,)
-        Homogeneous point in voxel indices (i, j, k, w); w = 0 for an eye infinitely far away in that direction.
-    dimensions : tuple of 3 ints
-        Voxels along (x, y, z).
-    """
-    point = np.asarray(eye, np.float64)
-    if point[3] == 0:
-        # an axis along which the eye does not look may be taken either way
-        i, j, k = (n if direction > 0 else -1 for n, direction in zip(dimensions, point[:3], strict=True))
-    else:
-        i, j, k = (
-            int(np.clip(round(v), -1, n)) for v, n in zip(point[:3] / point[3], dimensions, strict=True)
-        )
-    return i, j, k
+#: Distances are told apart in so many levels, which a radix sort orders in linear time.
+LEVELS = 65535
 
 
 def back_to_front(
-    indices: npt.NDArray[np.float32], planes: EyePlanes, dimensions: tuple[int, int, int]
+    indices: npt.NDArray[np.float32], eye: Eye, index_to_world: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.int64]:
-    """Order in which voxels are painted over one another without an error, from the farthest.
+    """Order of voxels by falling distance of their centres from the eye.
 
-    A plane of voxels farther from the eye's own plane cannot hide a nearer one, along any axis; so the voxels are
-    ordered by that distance along z, then y, then x (Frieder, Gordon and Reynolds, "Back-to-front display of
-    voxel-based objects", 1985). Distances to the eye are never computed, and the order changes only when the eye
-    passes a plane of voxels.
+    The order of cells along the axes of the lattice, which needs no sorting, holds for cells only: footprints reach
+    into their neighbours, and a far one would be painted over a near one.
 
     Parameters
     ----------
     indices : ndarray of shape (N, 3), float32
         Voxel indices (i, j, k).
-    planes : tuple of 3 ints
-        From `eye_planes`.
-    dimensions : tuple of 3 ints
-        Voxels along (x, y, z).
+    eye : tuple of 4 floats
+        Where the eye is.
+    index_to_world : ndarray of shape (4, 4)
+        Maps (i, j, k, 1) to world (x, y, z, 1).
 
     Returns
     -------
     ndarray of shape (N,), int64
         Permutation of the rows.
     """
-    key = np.zeros(len(indices), np.int64)
-    for axis in (2, 1, 0):
-        away = np.abs(np.arange(dimensions[axis]) - planes[axis])
-        key *= dimensions[axis] + 2
-        key += away[indices[:, axis].astype(np.int64)]
-    return np.argsort(-key, kind="stable")
+    if len(indices) == 0:
+        return np.zeros(0, np.int64)
+    linear, point = index_to_world[:3, :3], np.array(eye[:3])
+    if eye[3] == 0:
+        nearness = indices @ (linear.T @ point).astype(np.float32)
+    else:
+        # relative to the eye before rounding to float32: world coordinates may be large
+        offset = (index_to_world[:3, 3] - point / eye[3]).astype(np.float32)
+        relative = indices @ linear.T.astype(np.float32)
+        relative += offset
+        nearness = -np.sqrt(np.einsum("ij,ij->i", relative, relative))
+    low, high = float(nearness.min()), float(nearness.max())
+    scale = LEVELS / (high - low) if high > low else 0.0
+    return np.argsort(((nearness - low) * scale).astype(np.uint16), kind="stable")
 
 
 def shuffled(count: int) -> npt.NDArray[np.int64]:

@@ -91,5 +91,9 @@ class SplattingSettings:
     specular: float = taken_from(ShadingSettings, "specular")
     shininess: float = taken_from(ShadingSettings, "shininess")
     display: str = parameter(
-        "image", "Show", "The picture, or the splats before they are blurred.", choices=DISPLAYS, group="Machinery"
+        "image",
+        "Show",
+        "The picture, or the splats before they are blurred.",
+        choices=DISPLAYS,
+        group="Machinery",
     )

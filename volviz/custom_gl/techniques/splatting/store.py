@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
-from volviz.custom_gl.techniques.splatting.order import EyePlanes, back_to_front, shuffled
+from volviz.custom_gl.techniques.splatting.order import Eye, back_to_front, shuffled
 from volviz.kernels.splats import select_splats
 from volviz.model.volume import Volume
 
@@ -34,25 +34,29 @@ class Wanted:
         Lattice; None for every voxel.
     cull : bool
         Leave hidden voxels out.
-    eye : tuple of 3 ints or None
-        Order from back to front for this place of the eye; None for a random order.
+    eye : tuple of 4 floats or None
+        Order from back to front for this (homogeneous) place of the eye; None for a random order.
     """
 
     volume: Volume
     isovalue: float
     per_axis: int | None
     cull: bool
-    eye: EyePlanes | None
+    eye: Eye | None
 
     @property
     def selection(self) -> Any:
         """Equal for equal selections."""
-        return id(self.volume), self.isovalue, self.per_axis, self.cull
+        return self.volume, self.isovalue, self.per_axis, self.cull
 
     @property
     def key(self) -> Any:
         """Equal for equal splats in equal order."""
         return self.selection, self.eye
+
+    def may_follow(self, other: Wanted) -> bool:
+        """Whether a moving picture may go on with the other splats until these are ready."""
+        return self.volume is other.volume and (self.eye is None) == (other.eye is None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,9 +83,8 @@ class SplatStore:
         self.error: Exception | None = None
         self._selected: tuple[Any, Packed] | None = None
         self._thread: threading.Thread | None = None
-        self._in_work: Any = None
 
-    def get(self, wanted: Wanted, *, wait: bool) -> Ready | None:
+    def get(self, wanted: Wanted, *, wait: bool) -> Ready:
         """The splats, or what there was before as long as they are not ready.
 
         Parameters
@@ -89,15 +92,17 @@ class SplatStore:
         wanted : Wanted
             What is to be drawn.
         wait : bool
-            Come back with these splats only. A first selection is always waited for.
+            Come back with these splats only. Without others that may be shown meanwhile they are waited for anyway.
         """
         while self.ready is None or self.ready.wanted.key != wanted.key:
             if self._thread is None:
                 self._begin(wanted)
-            elif not self._thread.is_alive() or wait or self.ready is None:
+            elif self._thread.is_alive() and not wait and self.ready is not None:
+                if wanted.may_follow(self.ready.wanted):
+                    break
                 self._end()
             else:
-                break
+                self._end()
         return self.ready
 
     def _begin(self, wanted: Wanted) -> None:
@@ -120,7 +125,7 @@ class SplatStore:
             if wanted.eye is None:
                 order = shuffled(len(packed))
             else:
-                order = back_to_front(packed[:, :3], wanted.eye, wanted.volume.dimensions)
+                order = back_to_front(packed[:, :3], wanted.eye, wanted.volume.index_to_world)
             self.ready = Ready(wanted, packed[order])
         except Exception as error:  # noqa: BLE001 - raised again where the splats are asked for
             self.error = error

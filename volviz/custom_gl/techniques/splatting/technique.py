@@ -14,7 +14,6 @@ from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.techniques.splatting.order import eye_planes
 from volviz.custom_gl.techniques.splatting.store import Ready, SplatStore, Wanted
 from volviz.model.auto_isovalue import auto_isovalue
 
@@ -39,13 +38,30 @@ _OFF = moderngl.NOTHING
 
 @dataclass(frozen=True)
 class _Layout:
-    """How the splats of a frame are drawn."""
+    """How the splats of a frame are drawn.
 
-    quads: bool
-    count: int
-    diameter: float
-    sigma: float
-    region: tuple[int, int, int, int]
+    Attributes
+    ----------
+    quads : bool
+        As quads instead of points.
+    count : int
+        Number of splats, from the first on.
+    diameter : float
+        Of the drawn footprint, world units.
+    sigma : float
+        Standard deviation of a Gaussian footprint, world units.
+    cell : float
+        World volume that a splat stands for.
+    region : tuple of 4 ints
+        Part of the target (x, y, width, height) that splats and blur may touch.
+    """
+
+    quads: bool = False
+    count: int = 0
+    diameter: float = 1.0
+    sigma: float = 1.0
+    cell: float = 1.0
+    region: tuple[int, int, int, int] = (0, 0, 0, 0)
 
 
 class Splatting:
@@ -59,7 +75,7 @@ class Splatting:
         self._blocks: list[Any] = []
         self._held: Ready | None = None
         self._arrays: dict[tuple[int, int], tuple[Any, Any]] = {}
-        self._layout = _Layout(False, 0, 1.0, 0.0, (0, 0, 0, 0))
+        self._layout = _Layout()
         self._pool: Any = None
 
     # ------------------------------------------------------------------ planning
@@ -68,7 +84,7 @@ class Splatting:
         """Blocks of splats, then strips of the blur."""
         self._pool = frame.gpu.targets
         if not frame.tiles:
-            self._layout = _Layout(False, 0, 1.0, 0.0, (0, 0, 0, 0))
+            self._layout = _Layout()
             return 1
         ready = self._splats(frame)
         self._upload(frame, ready)
@@ -89,8 +105,8 @@ class Splatting:
         eye = None
         if translucent:
             camera = frame.camera
-            point = np.append(-camera.direction, 0.0) if camera.parallel else np.append(camera.eye, 1.0)
-            eye = eye_planes(volume.world_to_index @ point, volume.dimensions)
+            x, y, z = -camera.direction if camera.parallel else camera.eye
+            eye = (float(x), float(y), float(z), 0.0 if camera.parallel else 1.0)
         per_axis = settings.splats_per_axis
         coarse = translucent and frame.interactive
         if coarse:
@@ -98,9 +114,7 @@ class Splatting:
         # a cut lays bare what would be hidden
         cull = not translucent and whole and not frame.planes
         wanted = Wanted(volume, float(isovalue), per_axis, cull, eye)
-        ready = self._stores[coarse].get(wanted, wait=not frame.interactive)
-        assert ready is not None  # noqa: S101 - a first selection is waited for
-        return ready
+        return self._stores[coarse].get(wanted, wait=not frame.interactive)
 
     def _upload(self, frame: Frame, ready: Ready) -> None:
         if self._held is ready:
@@ -112,16 +126,17 @@ class Splatting:
             for start in range(0, len(packed), BLOCK)
         ]
         self._held = ready
+        frame.gpu.uploads += len(self._blocks)
 
     def _arrange(self, frame: Frame, ready: Ready) -> _Layout:
         settings, volume = frame.settings, frame.volume
         total = count = len(ready.packed)
         per_axis = ready.wanted.per_axis
-        dimensions = np.array(volume.dimensions, float)
-        lattice = np.array(volume.spacing) * (
-            np.maximum(dimensions / per_axis, 1.0) if per_axis is not None else 1.0
+        steps = (
+            np.maximum(np.array(volume.dimensions) / per_axis, 1.0) if per_axis is not None else np.ones(3)
         )
-        diameter = settings.splat_size * float(lattice.max())
+        diameter = settings.splat_size * float((steps * volume.spacing).max())
+        cell = float(abs(np.linalg.det(volume.index_to_world[:3, :3])) * np.prod(steps))
         fraction = frame.size[1] / frame.window_size[1]
         if frame.interactive and not self._translucent(frame) and total:
             count = min(max(round(total * fraction**2), FEWEST_SPLATS), total)
@@ -133,7 +148,8 @@ class Splatting:
         largest, within = self._largest_splat(frame, diameter)
         quads = largest > min(frame.gpu.limits.max_point_size, 255.0) or not within
         taps = self._blur(frame)[1]
-        return _Layout(quads, count, diameter, sigma, self._region(frame, math.ceil(largest / 2) + taps + 2))
+        region = self._region(frame, math.ceil(largest / 2) + taps + 2)
+        return _Layout(quads, count, diameter, sigma, cell, region)
 
     def _largest_splat(self, frame: Frame, diameter: float) -> tuple[float, bool]:
         """Pixels of the nearest splat, and whether every splat lies well within the view."""
@@ -142,8 +158,8 @@ class Splatting:
         if w.min() <= 1e-6 * abs(w).max():
             return float(max(frame.size)), False
         pixels = diameter * self._pixels_per_unit(frame) / float(w.min())
-        # a point whose centre is outside vanishes whole
-        within = bool(np.all(np.abs(clip[:, :3]) <= w[:, None]))
+        # a point whose centre is outside vanishes whole; before the near plane a quad would do so as well
+        within = bool(np.all(np.abs(clip[:, :2]) <= w[:, None]))
         return min(pixels, float(max(frame.size))), within
 
     def _pixels_per_unit(self, frame: Frame) -> float:
@@ -229,17 +245,10 @@ class Splatting:
                 "u_diameter": layout.diameter,
                 "u_pixels_per_unit": self._pixels_per_unit(frame),
                 "u_classic_color": frame.settings.splat_color == "classic",
-                "u_depth_per_extinction": self._cell(frame) / (2 * math.pi * layout.sigma**2),
+                "u_depth_per_extinction": layout.cell / (2 * math.pi * layout.sigma**2),
             }
         )
         return program
-
-    def _cell(self, frame: Frame) -> float:
-        """World volume that a splat stands for."""
-        assert self._held is not None  # noqa: S101 - set by plan
-        per_axis = self._held.wanted.per_axis
-        steps = [max(n / per_axis, 1.0) if per_axis is not None else 1.0 for n in frame.volume.dimensions]
-        return float(abs(np.linalg.det(frame.volume.index_to_world[:3, :3])) * np.prod(steps))
 
     def _draw_strip(self, frame: Frame, scissor: tuple[int, int, int, int], *, last: bool) -> None:
         gl = frame.gpu.gl
@@ -268,7 +277,9 @@ class Splatting:
     # ------------------------------------------------------------------ objects on the GPU
 
     def _target(self, frame: Frame, purpose: str) -> Target:
-        target: Target = frame.gpu.targets.get(self._purpose(purpose, interactive=frame.interactive), frame.size)
+        target: Target = frame.gpu.targets.get(
+            self._purpose(purpose, interactive=frame.interactive), frame.size
+        )
         return target
 
     def _purpose(self, purpose: str, *, interactive: bool) -> str:
@@ -319,5 +330,3 @@ class Splatting:
 def _skipped(part: str) -> str:
     """Padding of the same size as an attribute of floats such as "3f"."""
     return f"{4 * int(part[0])}x"
-
-
