@@ -241,7 +241,11 @@ class ImageTechnique(Protocol):
     """
 
     def plan(self, frame: Frame) -> int:
-        """Prepare what the frame needs and say into how many chunks its drawing is divided (at least 1)."""
+        """Prepare what the frame needs and say into how many chunks its drawing is divided (at least 1).
+
+        0 means that a worker has not finished yet: the last picture stays, and `plan` is asked again soon. A
+        technique that answers 0 waits a few milliseconds for its worker first, so that asking costs nothing.
+        """
 
     def draw(self, frame: Frame, chunk: int) -> None:
         """Draw one chunk, 0 <= chunk < plan(frame), in ascending order."""

@@ -368,9 +368,7 @@ class VolumeHandle:
 
     def _plan(self, frame: Frame) -> int:
         self._clean(frame)
-        chunks = self._current_technique().plan(frame)
-        self._clean(frame)
-        return chunks
+        return self._current_technique().plan(frame)
 
     def _report_waiting(self) -> None:
         """The technique waits for a worker: the last picture stays."""
