@@ -1,0 +1,8 @@
+"""Triangle meshes drawn by our own pass: extraction on a worker, upload and drawing in blocks, stand-ins."""
+
+from __future__ import annotations
+
+from volviz.custom_gl.mesh_drawing.settings import CLASSIC, INERT, MeshSettings
+from volviz.custom_gl.mesh_drawing.technique import MeshTechnique
+
+__all__ = ["CLASSIC", "INERT", "MeshSettings", "MeshTechnique"]

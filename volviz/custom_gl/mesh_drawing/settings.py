@@ -1,0 +1,122 @@
+"""Settings that all techniques with a polygonal isosurface share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from volviz.model.parameters import Cost, parameter
+
+COLORINGS = (
+    ("color", "One colour"),
+    ("normal", "Normal as colour"),
+    ("transfer_function", "Transfer function"),
+)
+_LIT = ("color_by", ("color", "transfer_function"))
+
+
+@dataclass(frozen=True)
+class MeshSettings:
+    """Which surface is extracted and how its triangles look."""
+
+    isovalue: float | None = parameter(
+        None,
+        "Isovalue",
+        "Value at which the surface lies, in data units. Automatic takes the value that best splits the object "
+        "from what surrounds it.",
+        kind="float",
+        optional=True,
+        none_label="from the histogram",
+        # the range of bytes; in the window the slider has that of the volume
+        soft_minimum=0.0,
+        soft_maximum=255.0,
+        unit="data",
+        group="Surface",
+        cost=Cost.DATA,
+    )
+    stride: int = parameter(
+        1,
+        "Stride",
+        "Uses every n-th voxel along each axis: 2 gives about a quarter of the triangles.",
+        unit="voxels",
+        group="Surface",
+        minimum=1,
+        maximum=64,
+        soft_maximum=8,
+        cost=Cost.DATA,
+    )
+    normals: str = parameter(
+        "gradient",
+        "Normals",
+        "From the gradient of the data at the vertices, which looks smooth; or one for each triangle, which shows "
+        "the facets.",
+        choices=(("gradient", "From the data"), ("flat", "One a triangle")),
+        group="Surface",
+        cost=Cost.PROGRAM,
+    )
+    wireframe: bool = parameter(
+        False,
+        "Wireframe",
+        "Shows the edges of the triangles instead of their faces.",
+        group="Surface",
+        cost=Cost.PROGRAM,
+    )
+    color_by: str = parameter(
+        "color",
+        "Colour by",
+        "One colour, lit; the direction of the normal as red, green and blue, 0.5 being zero, unlit; or the "
+        "transfer function's colour of the data below the surface, lit.",
+        choices=COLORINGS,
+        group="Colour",
+        cost=Cost.PROGRAM,
+    )
+    color: tuple[float, float, float] = parameter(
+        (0.87, 0.79, 0.65),
+        "Colour",
+        "Colour of the surface.",
+        kind="color",
+        group="Colour",
+        enabled_by=("color_by", ("color",)),
+    )
+    color_depth: float = parameter(
+        1.0,
+        "Colour depth",
+        "How far below the surface the data are read that the transfer function colours; on the surface itself "
+        "they all are the isovalue.",
+        unit="voxels",
+        group="Colour",
+        minimum=-20.0,
+        maximum=20.0,
+        soft_minimum=0.0,
+        soft_maximum=5.0,
+        enabled_by=("color_by", ("transfer_function",)),
+    )
+    ambient: float = parameter(
+        0.2, "Ambient", "Light that reaches every place.", group="Lighting", minimum=0.0, maximum=1.0,
+        enabled_by=_LIT,
+    )  # fmt: skip
+    diffuse: float = parameter(
+        0.7, "Diffuse", "Light scattered evenly from a lit surface.", group="Lighting", minimum=0.0,
+        maximum=1.0, enabled_by=_LIT,
+    )  # fmt: skip
+    specular: float = parameter(
+        0.2,
+        "Specular",
+        "Strength of highlights.",
+        group="Lighting",
+        minimum=0.0,
+        maximum=1.0,
+        enabled_by=_LIT,
+    )
+    shininess: float = parameter(
+        40.0, "Shininess", "Exponent of highlights: higher is smaller and sharper.", group="Lighting",
+        minimum=1.0, maximum=1000.0, logarithmic=True, enabled_by=_LIT,
+    )  # fmt: skip
+
+
+#: Values of the well-known teaching program: every second voxel of 256^3 bytes, normal as colour.
+CLASSIC: Mapping[str, Any] = {"isovalue": 48.0, "stride": 2, "color_by": "normal"}
+
+#: Settings without an effect on the default picture.
+INERT: Mapping[str, str] = {"color_depth": "acts when the transfer function colours the surface"}

@@ -1,0 +1,179 @@
+"""A polygonal isosurface as a picture: what to extract, which mesh to show now, how to draw it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from volviz.custom_gl.mesh_drawing.blocks import MeshBlocks
+from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish, ReadyMesh
+from volviz.custom_gl.shader_source import GLSL
+from volviz.model.auto_isovalue import auto_isovalue
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.gpu.programs import Program
+    from volviz.custom_gl.technique import Frame
+
+#: Triangles of the stand-in that is drawn while something moves: about 30 ms on software OpenGL.
+STAND_IN_TRIANGLES = 60_000
+#: The same for graphics cards.
+STAND_IN_TRIANGLES_HARDWARE = 1_500_000
+#: Edges take so many times as long as faces.
+WIREFRAME_COST = 4
+#: By how much the stride of a stand-in may be larger than that of the mesh.
+COARSER = (1, 2, 4, 8)
+#: Before any mesh of a volume is known.
+FIRST_COARSER = 4
+#: Seconds that a moving picture waits for the stand-in of a new isovalue before it shows the old one again.
+STAND_IN_PATIENCE = 0.04
+#: Seconds that a full picture waits for its mesh before the window gets its turn.
+PATIENCE = 0.015
+
+
+@dataclass
+class _Shown:
+    """The mesh of one kind of frame on the GPU."""
+
+    blocks: MeshBlocks | None = None
+
+    def take(self, frame: Frame, mesh: ReadyMesh) -> None:
+        """Hold this mesh, and only this one."""
+        if self.blocks is None or self.blocks.mesh is not mesh:
+            self.release()
+            self.blocks = MeshBlocks(frame.gpu, mesh)
+
+    def release(self) -> None:
+        if self.blocks is not None:
+            self.blocks.release()
+            self.blocks = None
+
+
+class MeshTechnique:
+    """Extracts a surface on a worker and draws it block by block; a coarser stand-in while something moves."""
+
+    #: The host puts the depth of the surface into VTK's depth buffer.
+    writes_depth = True
+
+    def __init__(self) -> None:
+        self._full = MeshStore(cancels=True)
+        self._stand_in = MeshStore(cancels=False)
+        self._shown = {False: _Shown(), True: _Shown()}
+        self._known: MeshWish | None = None
+        self._known_triangles = 0
+
+    def method(self, settings: Any) -> str:
+        """Which method of `volviz.marching_cubes` extracts the surface."""
+        raise NotImplementedError
+
+    # ------------------------------------------------------------------ which mesh
+
+    def plan(self, frame: Frame) -> int:
+        """One chunk per block of triangles; 0 while the mesh is being extracted."""
+        wish = self._wish(frame)
+        mesh = self._stand_in_for(frame, wish) if frame.interactive else self._full.get(wish, PATIENCE)
+        if mesh is None:
+            return 0
+        if not frame.interactive:
+            self._note(mesh)
+        shown = self._shown[frame.interactive]
+        shown.take(frame, mesh)
+        return max(shown.blocks.count if shown.blocks is not None else 0, 1)
+
+    def _wish(self, frame: Frame) -> MeshWish:
+        settings, volume = frame.settings, frame.volume
+        isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
+        return MeshWish(volume, float(isovalue), self.method(settings), int(settings.stride))
+
+    def _stand_in_for(self, frame: Frame, wish: MeshWish) -> ReadyMesh | None:
+        """A mesh that is drawn quickly: of this isovalue if possible, else the last one."""
+        limit = STAND_IN_TRIANGLES if frame.gpu.limits.software else STAND_IN_TRIANGLES_HARDWARE
+        if frame.settings.wireframe:
+            limit //= WIREFRAME_COST
+        full = self._full.last
+        if full is not None and full.wish == wish and full.triangles <= limit:
+            return full
+        coarse = MeshWish(wish.volume, wish.isovalue, wish.method, wish.stride * self._coarser(wish, limit))
+        mesh = self._stand_in.get(coarse, STAND_IN_PATIENCE)
+        if mesh is not None:
+            self._note(mesh)
+            return mesh
+        last = self._stand_in.last
+        return last if last is not None and last.wish.volume is wish.volume else None
+
+    def _note(self, mesh: ReadyMesh) -> None:
+        """Remember how many triangles a stride gives, to choose that of the next stand-in."""
+        self._known, self._known_triangles = mesh.wish, mesh.triangles
+
+    def _coarser(self, wish: MeshWish, limit: int) -> int:
+        known = self._known
+        if known is None or known.volume is not wish.volume or known.method != wish.method:
+            return FIRST_COARSER
+        for factor in COARSER:
+            # a surface: the number of triangles falls with the square of the stride
+            if self._known_triangles * (known.stride / (wish.stride * factor)) ** 2 <= limit:
+                return factor
+        return COARSER[-1]
+
+    # ------------------------------------------------------------------ drawing
+
+    def draw(self, frame: Frame, chunk: int) -> None:
+        """Draw one block of triangles."""
+        blocks = self._shown[frame.interactive].blocks
+        if blocks is None or chunk >= blocks.count or not frame.tiles:
+            return
+        gl = frame.gpu.gl
+        program = self._program(frame)
+        gl.enable_only(moderngl.DEPTH_TEST)
+        gl.depth_func = "<"
+        gl.wireframe = frame.settings.wireframe
+        blocks.draw(chunk, program)
+        gl.wireframe = False
+        gl.enable_only(moderngl.NOTHING)
+
+    def _program(self, frame: Frame) -> Program:
+        settings, volume = frame.settings, frame.volume
+        whole = frame.crop == tuple(float(v) for n in volume.dimensions for v in (0, n - 1))
+        program = frame.program(
+            GLSL / "mesh.vert",
+            GLSL / "mesh.frag",
+            {
+                "NEAREST": False,
+                "CUT": not whole or bool(frame.planes),
+                # a line has no face that could be measured
+                "FACETS": settings.normals == "flat" and not settings.wireframe,
+                "COLOR_NORMAL": settings.color_by == "normal",
+                "COLOR_TRANSFER_FUNCTION": settings.color_by == "transfer_function",
+            },
+        )
+        matrix = volume.index_to_world
+        scale, offset = frame.resources.texels.index_to_texture
+        program.set(
+            {
+                "u_index_to_clip": frame.camera.view_projection @ matrix,
+                "u_index_to_texture_scale": tuple(scale),
+                "u_index_to_texture_offset": tuple(offset),
+                "u_index_to_world_vector": matrix[:3, :3],
+                "u_near_index": tuple(_near_index(frame)),
+                "u_mirrored": bool(np.linalg.det(matrix[:3, :3]) < 0),
+                "u_surface_color": settings.color,
+                "u_color_depth": settings.color_depth * min(volume.spacing),
+            }
+        )
+        return program
+
+    def release(self) -> None:
+        """Release the meshes on the GPU and stop the workers."""
+        for shown in self._shown.values():
+            shown.release()
+        for store in (self._full, self._stand_in):
+            store.close()
+
+
+def _near_index(frame: Frame) -> npt.NDArray[np.float64]:
+    """Voxel index of the eye, or of the point of the box that is nearest to it."""
+    index = frame.volume.world_to_index @ np.append(frame.camera.eye, 1.0)
+    return np.clip(index[:3], 0.0, np.array(frame.volume.dimensions) - 1.0)
