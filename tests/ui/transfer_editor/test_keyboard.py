@@ -154,6 +154,17 @@ def test_every_control_has_a_tooltip_a_name_and_a_place_in_the_tab_order(editor)
         assert control.focusPolicy() & Qt.FocusPolicy.TabFocus, control
 
 
+def test_the_page_of_keys_opens_from_the_menu_and_closes_by_escape(editor, qtbot) -> None:
+    from volviz_ui.transfer_editor.help_dialog import HelpDialog
+
+    menu = editor.more_button.menu()
+    next(a for a in menu.actions() if a.text().startswith("Keys")).trigger()
+    dialog = editor.findChild(HelpDialog)
+    assert dialog.isVisible()
+    qtbot.keyClick(dialog, Key.Key_Escape)
+    qtbot.waitUntil(lambda: editor.findChild(HelpDialog) is None)
+
+
 def test_without_a_volume_nothing_can_be_edited_and_nothing_breaks(editor, store, qtbot) -> None:
     store.update(Scene())
     editor.set_volume(None)

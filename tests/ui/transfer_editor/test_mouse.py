@@ -239,6 +239,17 @@ def test_the_histogram_stands_where_the_voxels_are(editor) -> None:
     np.testing.assert_allclose(counts.in_intervals(limits), expected, atol=1e-6)
 
 
+def test_values_that_never_occur_make_no_comb(editor) -> None:
+    from volviz_ui.transfer_editor.counting import Counts
+
+    edges = np.arange(-0.5, 400.5)
+    used = np.where(np.arange(400) % 4 == 0, 1000.0, 0.0)
+    counts = Counts(edges, np.concatenate([[0.0], np.cumsum(used)]))
+    assert counts.grain == 4.0
+    density = counts.density(np.linspace(10, 390, 500), np.full(500, 0.76))
+    np.testing.assert_allclose(density, 250.0)
+
+
 def test_a_wide_drag_repaints_within_a_frame(editor, store, drag, place) -> None:
     from time import perf_counter
 

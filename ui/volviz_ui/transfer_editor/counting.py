@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,20 @@ class Counts:
 
     edges: npt.NDArray[np.float64]
     below: npt.NDArray[np.float64]
+
+    @cached_property
+    def grain(self) -> float:
+        """Typical distance of values that occur: 1 of whole numbers, more where a scanner leaves values out."""
+        used = self.edges[:-1][np.diff(self.below) > 0]
+        return float(np.median(np.diff(used))) if len(used) > 8 else float(self.edges[1] - self.edges[0])
+
+    def density(
+        self, values: npt.NDArray[np.float64], widths: npt.NDArray[np.float64]
+    ) -> npt.NDArray[np.float64]:
+        """Voxels per unit of value around values, in windows of at least one grain: no comb of gaps appears."""
+        half = np.maximum(widths, self.grain) / 2
+        low = np.interp(values - half, self.edges, self.below)
+        return np.asarray((np.interp(values + half, self.edges, self.below) - low) / (2 * half))
 
     def in_intervals(self, limits: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Voxels between consecutive limits, shape (len(limits) - 1,)."""

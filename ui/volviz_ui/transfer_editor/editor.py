@@ -28,6 +28,7 @@ from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, f
 from volviz_ui.transfer_editor.counting import Counter
 from volviz_ui.transfer_editor.fields import Fields
 from volviz_ui.transfer_editor.fields_2d import RegionFields
+from volviz_ui.transfer_editor.help_dialog import HelpDialog
 from volviz_ui.transfer_editor.joint import JointCounter
 from volviz_ui.transfer_editor.model import EditorModel
 from volviz_ui.transfer_editor.plot import TransferPlot
@@ -289,6 +290,7 @@ class TransferEditor(QWidget):
                 (self.tr("Export…"), "upload-simple", commands.export_file),
             ),
             ((self.tr("Simplify points"), "polygon", commands.simplify),),
+            ((self.tr("Keys and mouse…"), "keyboard", self.show_help),),
         )
         for group in groups:
             if not more.isEmpty():
@@ -374,6 +376,10 @@ class TransferEditor(QWidget):
             self.joint.count()
 
     # ------------------------------------------------------------------ reactions
+
+    def show_help(self) -> None:
+        """Open the page of keys and mouse."""
+        HelpDialog(self).open()
 
     def show_presets(self) -> None:
         """Open the pictures of the presets."""

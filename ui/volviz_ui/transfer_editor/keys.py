@@ -9,6 +9,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
 
 if TYPE_CHECKING:
+    from PySide6.QtWidgets import QWidget
+
     from volviz_ui.transfer_editor.plot import TransferPlot
 
 Key = Qt.Key
@@ -19,23 +21,26 @@ _SHIFT, _CTRL, _ALT = (
 )
 _ARROWS = {Key.Key_Left: (-1, 0), Key.Key_Right: (1, 0), Key.Key_Up: (0, 1), Key.Key_Down: (0, -1)}
 
-#: Rows of the shortcuts page: keys and what they do.
-SHORTCUTS = (
-    ("Page Down, Page Up", "Choose the next, the previous point (Ctrl: in addition)"),
-    ("Arrow keys", "Move what is chosen (Shift: ten times as far, Ctrl: a tenth)"),
-    ("Insert", "Add a point to the right of the chosen one"),
-    ("Delete", "Remove the chosen points"),
-    ("Ctrl+A", "Choose all points"),
-    ("Ctrl+D", "Duplicate the chosen points"),
-    ("C", "Choose a colour"),
-    ("Enter", "Type value and opacity"),
-    ("[  ]", "Shift the whole function"),
-    ("{  }", "Stretch the whole function"),
-    ("+  -", "Zoom the value axis"),
-    ("Alt+Left, Alt+Right", "Pan the value axis"),
-    ("Home, End", "Show all data, all points"),
-    ("Escape", "Cancel a drag, choose nothing"),
-)
+
+def shortcuts(widget: QWidget) -> list[tuple[str, str]]:
+    """What can be done in the plot and how, as rows for a page of shortcuts."""
+    tr = widget.tr
+    return [
+        (tr("Add a point"), tr("Double-click, Insert")),
+        (tr("Choose the next, the previous point"), tr("Page Down, Page Up (Ctrl: in addition)")),
+        (tr("Choose several points"), tr("Drag over empty plot, Ctrl+click")),
+        (tr("Choose all, choose none"), tr("Ctrl+A, Escape")),
+        (tr("Move what is chosen"), tr("Drag (Shift: along one axis), arrow keys (Shift: far, Ctrl: fine)")),
+        (tr("Take a drag back"), tr("Escape")),
+        (tr("Remove, duplicate"), tr("Delete, Ctrl+D")),
+        (tr("Choose a colour"), tr("Double-click on the point, C")),
+        (tr("Type value and opacity"), tr("Enter")),
+        (tr("Add a colour to the ramp"), tr("Double-click on the ramp")),
+        (tr("Shift and stretch everything"), tr("Drag the ramp, Alt+drag, [ ] and { }")),
+        (tr("Zoom the value axis"), tr("Wheel, + and -")),
+        (tr("Pan the value axis"), tr("Middle drag, Shift+wheel, Alt+Left and Alt+Right")),
+        (tr("Show all data, all points"), tr("Home, End")),
+    ]
 
 
 def is_ours(plot: TransferPlot, event: QKeyEvent) -> bool:

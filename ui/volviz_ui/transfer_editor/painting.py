@@ -49,10 +49,14 @@ def paint_frame(painter: QPainter, places: Places, palette: QPalette, unit: str,
     text = palette.color(Role.PlaceholderText)
     grid = QPen(with_alpha(palette.color(Role.Mid), 0.6), 1.0)
     painter.setFont(small_font(font))
+    below = 1e9
     for opacity in places.opacities.ticks():
         y = round(places.y(opacity)) + 0.5
         painter.setPen(grid)
         painter.drawLine(QPointF(plot.left(), y), QPointF(plot.right(), y))
+        if below - y < 12:
+            continue
+        below = y
         painter.setPen(text)
         box = QRectF(0, y - 8, plot.left() - 6, 16)
         painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, f"{opacity:g}")
@@ -104,10 +108,10 @@ def histogram_path(places: Places, counts: Counts, logarithmic: bool) -> QPainte
     """
     plot = places.plot
     columns = max(int(plot.width()), 2)
-    limits = places.axis.values(np.arange(columns + 1) / columns)
+    values = places.axis.values((np.arange(columns) + 0.5) / columns)
     # voxels per unit of value: a peak is as high on a logarithmic axis as on a linear one, only wider
     span = places.axis.high - places.axis.low
-    heights = counts.in_intervals(limits) / np.diff(limits) * (span / columns)
+    heights = counts.density(values, np.gradient(values)) * (span / columns)
     if not heights.any():
         return QPainterPath()
     if logarithmic:

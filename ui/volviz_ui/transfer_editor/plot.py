@@ -12,6 +12,7 @@ from PySide6.QtGui import (
     QImage,
     QKeyEvent,
     QMouseEvent,
+    QNativeGestureEvent,
     QPainter,
     QPainterPath,
     QPaintEvent,
@@ -297,7 +298,18 @@ class TransferPlot(QWidget):
         ):
             event.accept()
             return True
+        if isinstance(event, QNativeGestureEvent) and self._pinched(event):
+            return True
         return super().event(event)
+
+    def _pinched(self, event: QNativeGestureEvent) -> bool:
+        """Two fingers on a touchpad zoom as the wheel does."""
+        if event.gestureType() != Qt.NativeGestureType.ZoomNativeGesture:
+            return False
+        plot = self.places.plot
+        at = min(max((event.position().x() - plot.left()) / plot.width(), 0.0), 1.0)
+        self.zoom(max(1.0 + event.value(), 0.1), at)
+        return True
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Everything the mouse can do."""

@@ -172,7 +172,7 @@ class PresetPopup(QFrame):
                 data_range = (function.points[0].value, function.points[-1].value)
             picture = thumbnail(function, data_range, WIDTH, HEIGHT, self.devicePixelRatioF())
             self._waiting.append(item)
-        item.setIcon(QIcon(QPixmap.fromImage(picture)))
+        item.setIcon(_untinted(picture))
 
     def _next_picture(self) -> None:
         if not self._waiting or self.provider is None or not self.isVisible():
@@ -185,7 +185,7 @@ class PresetPopup(QFrame):
             self._pictures[key] = image
             # The lists may have been filled anew meanwhile; the old items are gone then.
             if current == self._round and not image.isNull():
-                item.setIcon(QIcon(QPixmap.fromImage(image)))
+                item.setIcon(_untinted(image))
             if self.isVisible():
                 self._idle.start()
 
@@ -195,3 +195,11 @@ class PresetPopup(QFrame):
         preset = item.data(_PRESET)
         self.close()
         self.chosen.emit(preset)
+
+
+def _untinted(image: QImage) -> QIcon:
+    """An icon that keeps its colours when its item is chosen."""
+    pixmap = QPixmap.fromImage(image)
+    icon = QIcon(pixmap)
+    icon.addPixmap(pixmap, QIcon.Mode.Selected)
+    return icon
