@@ -175,6 +175,14 @@ class SamplingSettings:
         "linear", "Interpolation", "Between voxel centres, or the nearest voxel as a block.",
         choices=INTERPOLATIONS, group="Sampling", cost=Cost.PROGRAM,
     )  # fmt: skip
+    mipmaps: bool = parameter(
+        False,
+        "Mipmaps",
+        "Takes a smoothed, coarser level of the data where pixels are larger than voxels, so that a large volume "
+        "seen from afar does not sparkle.",
+        group="Sampling",
+        cost=Cost.TEXTURE,
+    )
     jitter: bool = parameter(
         False,
         "Jitter",

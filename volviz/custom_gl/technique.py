@@ -145,6 +145,8 @@ class Frame:
         Resolved depth of the opaque VTK geometry, window depth 0..1, of `window_size`; None = nothing opaque.
     step_scale : float
         Factor on the step while interacting; 1 for a full picture.
+    level : int
+        Level of detail of the scalars, 0 = full; `resources` is set to it while the technique draws.
     sequence : int
         Number of the accumulated picture, 0 for the first; seeds the jitter.
     interactive : bool
@@ -171,6 +173,7 @@ class Frame:
     planes: tuple[tuple[tuple[float, float, float], tuple[float, float, float]], ...]
     scene_depth: Any
     step_scale: float
+    level: int
     sequence: int
     interactive: bool
     tiles: tuple[Tile, ...]

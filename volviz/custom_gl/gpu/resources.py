@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from volviz.custom_gl.gpu.context import Gpu
-from volviz.custom_gl.gpu.scalars import BRICK, Texels, bricks_of, choose_format, texels_of
+from volviz.custom_gl.gpu.scalars import BRICK, Texels, bricks_of, choose_format, levels_of, texels_of
 from volviz.kernels.bricks import (
     chessboard_distance,
     grow_occupancy,
@@ -46,15 +46,16 @@ class VolumeResources:
         self.volume = volume
         self.texels: Texels = texels_of(volume, *texel_limits(gpu, volume))
         self._uploaded = 0
-        self.scalars = self._empty_scalars()
+        self.scalars = self._empty_scalars(self.texels)
+        self._levels: dict[int, tuple[Texels, Any]] = {0: (self.texels, self.scalars)}
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
 
     # ------------------------------------------------------------------ scalars
 
-    def _empty_scalars(self) -> Any:
-        z, y, x = self.texels.data.shape
-        dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[self.texels.format]
+    def _empty_scalars(self, texels: Texels) -> Any:
+        z, y, x = texels.data.shape
+        dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
         texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
         texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         texture.repeat_x = texture.repeat_y = texture.repeat_z = False
@@ -63,7 +64,7 @@ class VolumeResources:
     @property
     def complete(self) -> bool:
         """Whether all scalars are on the GPU."""
-        return self._uploaded >= len(self.texels.data)
+        return self._uploaded >= len(self._levels[0][0].data)
 
     def upload(self, max_bytes: int | None = None) -> bool:
         """Upload further slabs of scalars, at least one; True when all are there.
@@ -73,18 +74,34 @@ class VolumeResources:
         max_bytes : int, optional
             Stop after about that many bytes; None uploads everything.
         """
-        data = self.texels.data
+        data, texture = self._levels[0][0].data, self._levels[0][1]
         plane = data[0].nbytes
         done = 0
         while not self.complete and (max_bytes is None or done < max_bytes):
             count = min(max(SLAB_BYTES // plane, 1), len(data) - self._uploaded)
             slab = data[self._uploaded : self._uploaded + count]
             x, y = data.shape[2], data.shape[1]
-            self.scalars.write(slab, viewport=(0, 0, self._uploaded, x, y, count), alignment=1)
+            texture.write(slab, viewport=(0, 0, self._uploaded, x, y, count), alignment=1)
             self._uploaded += count
             done += slab.nbytes
             self.gpu.uploads += 1
         return self.complete
+
+    @property
+    def coarsest(self) -> int:
+        """Number of the coarsest level of detail."""
+        return len(levels_of(self.volume, *texel_limits(self.gpu, self.volume))) - 1
+
+    def select(self, level: int) -> None:
+        """Let `texels` and `scalars` be those of a level of detail, 0 = full; coarser ones are small."""
+        held = self._levels.get(level)
+        if held is None:
+            texels = levels_of(self.volume, *texel_limits(self.gpu, self.volume))[level]
+            texture = self._empty_scalars(texels)
+            texture.write(texels.data, alignment=1)
+            self.gpu.uploads += 1
+            held = self._levels[level] = (texels, texture)
+        self.texels, self.scalars = held
 
     # ------------------------------------------------------------------ tables
 
@@ -144,7 +161,8 @@ class VolumeResources:
                 occupancy(bricks.low, bricks.high, visible_prefix(opacity), self.volume.range)
             )
 
-        return self._cached(self._distances, "visible", (transfer_function, threshold), make)
+        slot = f"visible, {max(self.texels.factor)} voxels a texel"
+        return self._cached(self._distances, slot, (transfer_function, threshold), make)
 
     def isovalue_distance(self, isovalues: Sequence[float]) -> Any:
         """Empty-space field for surfaces of these isovalues (data units)."""
@@ -154,7 +172,8 @@ class VolumeResources:
             bricks = bricks_of(self.volume)
             return self._distance_texture(occupancy_for_isovalues(bricks.low, bricks.high, key))
 
-        return self._cached(self._distances, "isovalues", key, make)
+        slot = f"isovalues, {max(self.texels.factor)} voxels a texel"
+        return self._cached(self._distances, slot, key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
         coarse = max(self.texels.factor)
@@ -220,7 +239,9 @@ class VolumeResources:
 
     def release(self) -> None:
         """Release all textures; the context must be current."""
-        self.scalars.release()
+        for _, texture in self._levels.values():
+            texture.release()
+        self._levels.clear()
         for cache in (self._tables, self._distances):
             for _, texture in cache.values():
                 texture.release()

@@ -25,6 +25,10 @@ Format = Literal["u1", "u2", "f4"]
 
 BRICK = 8
 
+#: Levels of detail beside the full one, and the shortest edge in texels that a level may have.
+COARSE_LEVELS = 3
+MIN_LEVEL_EDGE = 8
+
 
 @dataclass(frozen=True)
 class Texels:
@@ -67,6 +71,9 @@ class Bricks:
 
 
 _lock = Lock()
+_levels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], tuple[Texels, ...]]] = (
+    weakref.WeakKeyDictionary()
+)
 _jobs: weakref.WeakKeyDictionary[Volume, Future[None]] = weakref.WeakKeyDictionary()
 _bricks: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
 _texels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], Texels]] = (
@@ -125,8 +132,53 @@ def texels_of(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> Te
     return known
 
 
+def coarser(texels: Texels) -> Texels:
+    """The next level of detail: means over blocks of 2 x 2 x 2 texels, the last one repeated where odd."""
+    data = texels.data
+    shape = tuple(-(-n // 2) for n in data.shape)
+    out = np.empty(shape, data.dtype)
+
+    def pairs(array: npt.NDArray[np.float32], axis: int) -> npt.NDArray[np.float32]:
+        even = array[::2] if axis == 0 else array[:, ::2]
+        odd = array[1::2] if axis == 0 else array[:, 1::2]
+        total = even.copy()
+        if axis == 0:
+            total[: len(odd)] += odd
+            total[len(odd) :] *= 2
+        else:
+            total[:, : odd.shape[1]] += odd
+            total[:, odd.shape[1] :] *= 2
+        return total
+
+    def fill(start: int, stop: int) -> None:
+        for z in range(start, stop):
+            plane = data[2 * z].astype(np.float32)
+            plane += data[min(2 * z + 1, len(data) - 1)]
+            mean = pairs(pairs(plane, 0), 1) * np.float32(0.125)
+            out[z] = mean if data.dtype.kind == "f" else np.rint(mean)
+
+    map_ranges(fill, len(out))
+    x, y, z = texels.factor
+    return Texels(out, texels.scale, texels.offset, (2 * x, 2 * y, 2 * z))
+
+
+def levels_of(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> tuple[Texels, ...]:
+    """Levels of detail of a volume, finest first: each has half as many texels along each axis."""
+    key = (kind, max_edge, max_bytes)
+    with _lock:
+        known = _levels.setdefault(volume, {}).get(key)
+    if known is None:
+        levels = [texels_of(volume, *key)]
+        while len(levels) <= COARSE_LEVELS and min(levels[-1].data.shape) >= 2 * MIN_LEVEL_EDGE:
+            levels.append(coarser(levels[-1]))
+        known = tuple(levels)
+        with _lock:
+            _levels.setdefault(volume, {})[key] = known
+    return known
+
+
 def is_prepared(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> bool:
-    """Whether bricks and texels of a volume are made; if not, they are begun on a thread of their own.
+    """Whether bricks and all levels of a volume are made; if not, they are begun on a thread of their own.
 
     Raises
     ------
@@ -135,7 +187,7 @@ def is_prepared(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> 
     """
     key = (kind, max_edge, max_bytes)
     with _lock:
-        if key in _texels.get(volume, {}) and volume in _bricks:
+        if key in _levels.get(volume, {}) and volume in _bricks:
             return True
         job = _jobs.get(volume)
         if job is None:
@@ -150,7 +202,7 @@ def is_prepared(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> 
 
 def _prepare(volume: Volume, key: tuple[Format, int, int]) -> None:
     bricks_of(volume)
-    texels_of(volume, *key)
+    levels_of(volume, *key)
 
 
 @cache

@@ -103,6 +103,17 @@ def _planes(frame: Frame, to_world: Matrix) -> Matrix:
     return planes
 
 
+def pixel_size(frame: Frame) -> float:
+    """World size of a pixel of the target at the nearest part of the box, but not nearer than a tenth of its depth."""
+    projection = frame.camera.projection
+    height = frame.size[1]
+    if frame.camera.parallel:
+        return float(2.0 / (projection[1, 1] * height))
+    depths = (frame.box_corners - frame.camera.eye) @ frame.camera.direction
+    near = max(float(depths.min()), 0.1 * float(depths.max()), 1e-12)
+    return float(2.0 * near / (projection[1, 1] * height))
+
+
 def box_tiles(
     corners: Matrix, view_projection: Matrix, size: tuple[int, int], tile: tuple[int, int]
 ) -> tuple[tuple[int, int, int, int], ...]:

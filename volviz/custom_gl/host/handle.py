@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.gpu.scalars import is_prepared
 from volviz.custom_gl.gpu.targets import Target
-from volviz.custom_gl.host.frame_uniforms import box_tiles, shared_uniforms
+from volviz.custom_gl.host.frame_uniforms import box_tiles, pixel_size, shared_uniforms
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
 from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
 from volviz.custom_gl.host.picture import composite
@@ -381,6 +382,7 @@ class VolumeHandle:
 
     def _clean(self, frame: Frame) -> None:
         """Default state, the frame's target bound: what every call of a technique may rely on."""
+        frame.resources.select(frame.level)
         gl = frame.gpu.gl
         gl.enable_only(gl.NOTHING)
         frame.target.fbo.use()
@@ -503,14 +505,31 @@ class VolumeHandle:
             planes=self._clipping.planes,
             scene_depth=self._depth.texture if self._depth_key else None,
             step_scale=level.step_scale,
+            level=0,
             sequence=0,
             interactive=level != FULL,
             tiles=(),
             uniforms={},
         )
+        frame.level = self._level_of_detail(frame)
+        frame.resources.select(frame.level)
         frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, size, tile)
         frame.uniforms = shared_uniforms(frame)
         return frame
+
+    def _level_of_detail(self, frame: Frame) -> int:
+        """Level of the scalars that fits the size of a pixel.
+
+        Full pictures take the full data unless the technique's ``mipmaps`` is on. While something moves, software
+        OpenGL reads the level that is about as fine as its few pixels: most of its time goes into fetching
+        voxels that lie far apart.
+        """
+        moving = frame.interactive and frame.gpu.limits.software
+        if not moving and not getattr(frame.settings, "mipmaps", False):
+            return 0
+        voxels = pixel_size(frame) / frame.volume.mean_spacing
+        level = math.floor(math.log2(max(voxels, 1e-9)) + (0.0 if moving else 0.5))
+        return min(max(level, 0), frame.resources.coarsest)
 
     # ------------------------------------------------------------------ status and end
 

@@ -19,6 +19,7 @@ TECHNIQUE = TechniqueInfo(
         "opacity_unit_distance": None,
     },
     inert={
+        "mipmaps": "acts where pixels are larger than voxels",
         "attenuation": "acts in the mode attenuated_maximum",
         "ambient": "acts with shading",
         "diffuse": "acts with shading",

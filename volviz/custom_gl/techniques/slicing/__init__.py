@@ -15,6 +15,7 @@ TECHNIQUE = TechniqueInfo(
     displays=DISPLAYS,
     classic={"slices": 256},
     inert={
+        "mipmaps": "acts where pixels are larger than voxels",
         "attenuation": "acts in the mode attenuated_maximum",
         "ambient": "acts with shading",
         "diffuse": "acts with shading",

@@ -15,6 +15,7 @@ TECHNIQUE = TechniqueInfo(
     displays=DISPLAYS,
     classic={"half_float": True, "step": 0.25, "first_sample": 1.0, "early_termination": 1.0},
     inert={
+        "mipmaps": "acts where pixels are larger than voxels",
         "attenuation": "acts in the mode attenuated_maximum",
         "ambient": "acts with shading",
         "diffuse": "acts with shading",
