@@ -293,4 +293,6 @@ class BumpSettings:
         for name in ("plane_normal", "plane_up"):
             vector = getattr(self, name)
             if vector is not None and not any(vector):
-                raise SettingError(f"{name} is a direction and cannot be (0, 0, 0); give another one or none.")
+                raise SettingError(
+                    f"{name} is a direction and cannot be (0, 0, 0); give another one or none."
+                )

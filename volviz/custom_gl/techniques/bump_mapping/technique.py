@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,8 +28,8 @@ _HERE = Path(__file__).parent
 RELIEF_VOXELS = 6.0
 #: Tiles along the longest edge of the box when no tile size is chosen.
 TILES = 4
-#: Pixels that one chunk may draw: about 20 ms on software OpenGL.
-CHUNK_PIXELS = 160_000
+#: Vertices of a mesh that one chunk draws, three a triangle: about 20 ms on software OpenGL.
+CHUNK_VERTICES = 3 * 40_000
 
 _ENCODINGS = {"float": 0, "bytes": 1, "bytes_classic": 2}
 _DISPLAYS = {name: number for number, (name, _) in enumerate(DISPLAYS)}
@@ -38,8 +39,29 @@ _ATTRIBUTES = (("3f", "a_position"), ("3f", "a_normal"), ("4f", "a_tangent"), ("
 _GL_TEXTURE_CUBE_MAP_SEAMLESS = 0x884F
 
 
+@dataclass(frozen=True)
+class _Part:
+    """What one chunk draws.
+
+    Attributes
+    ----------
+    stage : str
+        "surface" draws layer by layer, one after the other. A mesh is drawn stage by stage: "depth" of what is
+        nearest, then "once" in one pass, or "light", "color" and "over" in two.
+    first, count : int
+        Vertices of the surface or of a part of the mesh.
+    band : Tile
+        Part of the picture.
+    """
+
+    stage: str
+    first: int
+    count: int
+    band: Tile
+
+
 class BumpMapping:
-    """Draws the pieces of surface in horizontal bands of the picture."""
+    """Draws flat surfaces in bands of the picture, and meshes some triangles at a time."""
 
     writes_depth = True
 
@@ -47,77 +69,72 @@ class BumpMapping:
         self._maps = MapTextures()
         self._geometry: _Geometry | None = None
         self._ranges: list[tuple[int, int, int]] = []
-        self._bands: list[Tile] = []
+        self._parts: list[_Part] = []
         self._targets: Any = None
         self._isovalue = 0.0
 
     def plan(self, frame: Frame) -> int:
-        """One chunk per band."""
+        """One chunk per row of tiles; for a mesh, one per stage and part of its triangles."""
         self._update_geometry(frame)
-        self._bands = bands(frame.tiles, CHUNK_PIXELS)
-        return max(len(self._bands), 1)
+        if frame.settings.surface != "mesh":
+            self._parts = [_Part("surface", 0, 0, band) for band in bands(frame.tiles)]
+        else:
+            whole = (0, 0, *frame.size)
+            stages = ("light", "color") if frame.settings.two_passes else ("once",)
+            self._parts = [
+                _Part(stage, first, min(CHUNK_VERTICES, count - first), whole)
+                for stage in ("depth", *stages)
+                for _, start, count in self._ranges
+                for first in range(start, start + count, CHUNK_VERTICES)
+            ]
+            if frame.settings.two_passes:
+                self._parts.append(_Part("over", 0, 0, whole))
+                self._layer(frame).clear()
+        return max(len(self._parts), 1)
 
     def draw(self, frame: Frame, chunk: int) -> None:
-        """All layers within one band."""
-        if not self._bands or self._geometry is None:
+        """One band, or one part of the mesh."""
+        if self._geometry is None or not self._parts:
             return
-        band = self._bands[chunk]
+        part = self._parts[chunk]
         frame.gpu.gl.enable_direct(_GL_TEXTURE_CUBE_MAP_SEAMLESS)
+        if part.stage != "surface":
+            self._draw_stage(frame, part.stage, part)
+            return
+        stages = ("light", "color", "over") if frame.settings.two_passes else ("once",)
         for _, first, count in self._ranges:
             if frame.settings.two_passes:
-                self._draw_twice(frame, band, first, count)
-            else:
-                self._draw_once(frame, band, first, count)
-        frame.gpu.gl.scissor = None
+                self._layer(frame).fbo.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=part.band)
+            for stage in stages:
+                self._draw_stage(frame, stage, _Part(stage, first, count, part.band))
 
-    # ------------------------------------------------------------------ passes
+    # ------------------------------------------------------------------ stages
 
-    def _draw_depth(self, frame: Frame, first: int, count: int) -> None:
-        """The depth of a mesh into the bound target."""
-        program = frame.program(_HERE / "relief.vert", _HERE / "mesh_depth.frag", self._defines(frame, 0))
-        program.set(self._uniforms(frame))
-        frame.gpu.gl.fbo.color_mask = (False, False, False, False)
-        self._render(program, first, count)
-        frame.gpu.gl.fbo.color_mask = (True, True, True, True)
-
-    def _draw_once(self, frame: Frame, band: Tile, first: int, count: int) -> None:
+    def _draw_stage(self, frame: Frame, stage: str, part: _Part) -> None:
+        """Draw a part of a surface; in two passes into a target of its own, so that nothing behind is multiplied."""
         gl = frame.gpu.gl
-        program = self._program(frame, 0)
-        frame.target.fbo.use()
-        gl.scissor = band
-        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-        gl.depth_func, gl.blend_func = "<=", _OVER
-        if frame.settings.surface == "mesh":
-            self._draw_depth(frame, first, count)
-        self._render(program, first, count)
-
-    def _draw_twice(self, frame: Frame, band: Tile, first: int, count: int) -> None:
-        """Light, then colour on top of it, in a target of its own, so that nothing behind is multiplied."""
-        gl = frame.gpu.gl
-        target = self._layer(frame)
-        light, color = self._program(frame, 1), self._program(frame, 2)
-        target.fbo.use()
-        target.fbo.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=band)
+        own = frame.settings.two_passes and stage != "over"
+        fbo = self._layer(frame).fbo if own else frame.target.fbo
+        fbo.use()
         gl.viewport = (0, 0, *frame.size)
-        gl.scissor = band
+        gl.scissor = part.band
         gl.depth_func = "<="
-        gl.enable_only(moderngl.DEPTH_TEST)
-        self._render(light, first, count)
-        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-        gl.blend_func = _MODULATE
-        self._render(color, first, count)
-        over = frame.program(GLSL / "fullscreen.vert", _HERE / "layer.frag")
-        over.use_texture("t_layer", target.color)
-        over.use_texture("t_layer_depth", target.depth)
-        frame.target.fbo.use()
-        gl.viewport = (0, 0, *frame.size)
-        gl.scissor = band
-        gl.blend_func = _OVER
-        frame.gpu.draw_fullscreen(over)
-
-    def _render(self, program: Program, first: int, count: int) -> None:
-        assert self._geometry is not None
-        self._geometry.array(program).render(moderngl.TRIANGLES, vertices=count, first=first)
+        gl.enable_only(
+            moderngl.DEPTH_TEST if stage in {"depth", "light"} else moderngl.DEPTH_TEST | moderngl.BLEND
+        )
+        gl.blend_func = _MODULATE if stage == "color" else _OVER
+        if stage == "over":
+            program = frame.program(GLSL / "fullscreen.vert", _HERE / "layer.frag")
+            program.use_texture("t_layer", self._layer(frame).color)
+            program.use_texture("t_layer_depth", self._layer(frame).depth)
+            frame.gpu.draw_fullscreen(program)
+        else:
+            assert self._geometry is not None
+            array = self._geometry.array(self._program(frame, stage))
+            fbo.color_mask = (stage != "depth",) * 4
+            array.render(moderngl.TRIANGLES, vertices=part.count, first=part.first)
+            fbo.color_mask = (True,) * 4
+        gl.scissor = None
 
     # ------------------------------------------------------------------ what is drawn
 
@@ -150,10 +167,26 @@ class BumpMapping:
             self._geometry.release()
         self._geometry = geometry
 
-    def _program(self, frame: Frame, part: int) -> Program:
-        """The program of one pass with its textures and uniforms: 0 all at once, 1 light, 2 colour."""
+    def _program(self, frame: Frame, stage: str) -> Program:
+        """The program of a stage with its textures and uniforms."""
         s = frame.settings
-        program = frame.program(_HERE / "relief.vert", _HERE / "relief.frag", self._defines(frame, part))
+        program = frame.program(
+            _HERE / "relief.vert",
+            _HERE / ("mesh_depth.frag" if stage == "depth" else "relief.frag"),
+            {
+                "PASS": {"light": 1, "color": 2}.get(stage, 0),
+                "MESH": s.surface == "mesh",
+                "SOURCE_DATA": s.normal_source == "data",
+                "COLOR_TABLE": s.color_source == "transfer_function",
+                "CUT_OUT": bool(s.cut_out),
+                "CUBE_MAP": s.normalization == "cube_map",
+                "ENCODING": _ENCODINGS[s.encoding],
+                "DOT3_ALPHA": s.dot3 == "rgba" and s.display in {"image", "diffuse"},
+                "VERTEX_LIGHTING": s.lighting == "vertex" and stage != "depth",
+                "SELF_SHADOWING": bool(s.self_shadowing),
+                "DISPLAY": _DISPLAYS[s.display],
+            },
+        )
         if "t_normal_map" in program.units:
             texture = self._maps.normal_map(frame.gpu, s.normal_source, s.normal_image, s.encoding)
             program.use_texture("t_normal_map", texture)
@@ -163,22 +196,6 @@ class BumpMapping:
             )
         program.set(self._uniforms(frame))
         return program
-
-    def _defines(self, frame: Frame, part: int) -> dict[str, object]:
-        s = frame.settings
-        return {
-            "PASS": part,
-            "MESH": s.surface == "mesh",
-            "SOURCE_DATA": s.normal_source == "data",
-            "COLOR_TABLE": s.color_source == "transfer_function",
-            "CUT_OUT": bool(s.cut_out),
-            "CUBE_MAP": s.normalization == "cube_map",
-            "ENCODING": _ENCODINGS[s.encoding],
-            "DOT3_ALPHA": s.dot3 == "rgba" and s.display in {"image", "diffuse"},
-            "VERTEX_LIGHTING": s.lighting == "vertex",
-            "SELF_SHADOWING": bool(s.self_shadowing),
-            "DISPLAY": _DISPLAYS[s.display],
-        }
 
     def _uniforms(self, frame: Frame) -> dict[str, Any]:
         s, volume, shared = frame.settings, frame.volume, frame.uniforms
@@ -259,14 +276,13 @@ class _Geometry:
             self._faces.release()
 
 
-def bands(tiles: tuple[Tile, ...], pixels: int) -> list[Tile]:
-    """Horizontal bands of at most about so many pixels that together cover the tiles."""
-    if not tiles:
-        return []
-    left, right = min(t[0] for t in tiles), max(t[0] + t[2] for t in tiles)
-    bottom, top = min(t[1] for t in tiles), max(t[1] + t[3] for t in tiles)
-    rows = max(pixels // (right - left), 1)
-    return [(left, y, right - left, min(rows, top - y)) for y in range(bottom, top, rows)]
+def bands(tiles: tuple[Tile, ...]) -> list[Tile]:
+    """The rows of tiles, each as one rectangle: a polygon costs little, so a single tile is too small a piece."""
+    rows: dict[int, Tile] = {}
+    for x, y, width, height in tiles:
+        left, _, held, _ = rows.get(y, (x, y, 0, height))
+        rows[y] = (min(left, x), y, max(left + held, x + width) - min(left, x), height)
+    return list(rows.values())
 
 
 def _purpose(technique: BumpMapping, *, interactive: bool) -> str:
