@@ -143,6 +143,15 @@ def test_a_mesh_has_no_distance_to_itself_and_an_outlier_shows_in_one_direction(
     assert found.backward == pytest.approx(0, abs=1e-8)
 
 
+def test_fewer_samples_give_nearly_the_same_mean_distance(blob):
+    vertices, faces = blob
+    moved = (vertices + np.array([0.1, 0.0, 0.0]), faces)
+    all_samples = surface_distance(blob, moved)
+    fewer = surface_distance(blob, moved, max_samples=5000)
+    assert fewer.hausdorff <= all_samples.hausdorff
+    assert fewer.mean == pytest.approx(all_samples.mean, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("vertices", "faces"),
     [

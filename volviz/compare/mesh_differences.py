@@ -203,11 +203,11 @@ def _missing(triangles: Array, others: Array) -> Array:
 
 def _names(rows: Array) -> Array:
     """One number for each different row of non-negative integers, ascending in lexical order."""
-    names = np.zeros(len(rows), np.int64)
+    names: Array = np.zeros(len(rows), np.int64)
     for column in rows.T:
         values, ranks = np.unique(column, return_inverse=True)
         # Ranks are below the number of rows, so that products of two of them fit.
-        names = np.unique(names * max(len(values), 1) + ranks, return_inverse=True)[1].astype(np.int64)
+        names = np.unique(names * max(len(values), 1) + ranks, return_inverse=True)[1]
     return names
 
 
@@ -219,7 +219,8 @@ def _cells(vertices: Array, faces: Array, volume: Volume) -> Array:
     middles = np.where(np.abs(middles - nearest) < 1e-4, nearest, middles)
     x, y, z = np.clip(np.floor(middles).astype(np.int64), 0, np.array(volume.dimensions) - 2).T
     width, height, _ = volume.dimensions
-    return (z * height + y) * width + x
+    cells: Array = (z * height + y) * width + x
+    return cells
 
 
 def _areas(vertices: Array, faces: Array) -> Array:

@@ -437,3 +437,13 @@ def test_flat_normals_follow_the_kept_triangles():
     vertices, faces, normals = marching_cubes(field, 0.0, normals="flat")
     _, fewer, kept = keep_components(vertices, faces, normals, largest_only=True)
     assert len(kept) == len(fewer) < len(faces)
+
+
+def test_warming_up_leaves_nothing_to_compile_for_the_first_extraction():
+    from volviz.kernels.marching import warm_up
+    from volviz.kernels.marching.vertices import place_vertices
+
+    warm_up(np.uint8)
+    compiled = len(place_vertices.signatures)
+    marching_cubes(noise((9, 9, 9), np.uint8), 99.5)
+    assert len(place_vertices.signatures) == compiled

@@ -135,6 +135,25 @@ def marching_cubes(
     return vertices, faces, shading
 
 
+def warm_up(dtype: npt.DTypeLike = np.uint8, methods: Sequence[str] = ("lorensen",)) -> None:
+    """Compile, or load from disk, what extractions from volumes of one type need.
+
+    Without compiled code on disk this takes seconds, and numba holds the interpreter lock for parts of that; with it,
+    fractions of a second. A window calls it on a worker when a volume has been loaded.
+
+    Parameters
+    ----------
+    dtype : dtype, default: uint8
+        Type of the scalars.
+    methods : sequence of str, default: ("lorensen",)
+        See `marching_cubes`.
+    """
+    tiny = np.zeros((3, 3, 3), dtype)
+    tiny[1, 1, 1] = 1
+    for method in methods:
+        marching_cubes(tiny, 0.5, method=method)
+
+
 def _mask(mask: npt.ArrayLike, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
     array = np.asarray(mask)
     if array.dtype != np.bool_ or array.shape != shape:
