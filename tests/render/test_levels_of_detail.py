@@ -8,6 +8,7 @@ import pytest
 import volviz
 from tests.render.scenes import blobs, camera, function, picture, psnr, volume
 from volviz.custom_gl.gpu.scalars import Texels, coarser, levels_of, reduction
+from volviz.custom_gl.host.vtk_border import pyvista
 
 
 def test_a_coarser_level_holds_means_of_blocks() -> None:
@@ -69,3 +70,15 @@ def test_mipmaps_calm_a_volume_seen_from_afar() -> None:
         for on in (False, True)
     )
     assert with_mipmaps < 0.6 * without
+
+
+def test_a_reduced_volume_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VOLVIZ_TEXTURE_MB", "1")
+    of = volviz.Volume(blobs((80, 80, 80), np.float32))
+    window = pyvista.Plotter(off_screen=True, window_size=(64, 64))
+    handle = volviz.add_volume(window, of, transfer_function=function(of))
+    window.show(auto_close=False, interactive=False)
+    notice = handle.notice
+    handle.remove()
+    window.close()
+    assert "2 x 2 x 2" in notice

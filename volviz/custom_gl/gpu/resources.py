@@ -88,6 +88,11 @@ class VolumeResources:
         return self.complete
 
     @property
+    def full_factor(self) -> tuple[int, int, int]:
+        """Voxels per texel along (x, y, z) at the finest level; above 1 when the volume did not fit."""
+        return self._levels[0][0].factor
+
+    @property
     def coarsest(self) -> int:
         """Number of the coarsest level of detail."""
         return len(levels_of(self.volume, *texel_limits(self.gpu, self.volume))) - 1

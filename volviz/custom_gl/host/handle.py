@@ -133,6 +133,20 @@ class VolumeHandle:
         return self._settings
 
     @property
+    def notice(self) -> str:
+        """A sentence on what the picture shows differently from what was asked for; empty when nothing."""
+        words = [str(getattr(self._technique, "notice", ""))]
+        if self._resources is not None:
+            factor = self._resources.full_factor
+            if max(factor) > 1:
+                blocks = " x ".join(str(n) for n in factor)
+                words.append(
+                    f"This volume is larger than the graphics memory or its largest texture allows: blocks of {blocks} "
+                    "voxels (x, y, z) are drawn as one; crop the file or raise VOLVIZ_TEXTURE_MB to see all of it."
+                )
+        return " ".join(word for word in words if word)
+
+    @property
     def gpu(self) -> Gpu:
         """Programs, textures and targets of the window; made with the first drawing."""
         return self._gpu.gpu
