@@ -241,6 +241,10 @@ class ImageTechnique(Protocol):
     `plan` and `draw` are called with the context current and the OpenGL state reset to defaults. `draw` must be
     stateless between calls, except for what lies in targets of the technique's own; the host may stop after any
     chunk and begin a new frame.
+
+    Two class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
+    buffer; `least_resolution` (float), linear fraction of the full resolution below which nothing gets cheaper,
+    for techniques that give up detail by `Frame.step_scale` instead.
     """
 
     def plan(self, frame: Frame) -> int:

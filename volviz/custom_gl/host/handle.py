@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -362,7 +362,8 @@ class VolumeHandle:
 
     def _draw_at(self, level: Level, key: Any) -> None:
         begin = time.perf_counter()
-        frame = self._frame(level, tile=AT_ONCE_TILE)
+        drawn = self._worthwhile(level)
+        frame = self._frame(drawn, tile=AT_ONCE_TILE)
         chunks = self._plan(frame)
         while not chunks and self.pacer is None:
             chunks = self._plan(frame)
@@ -378,8 +379,13 @@ class VolumeHandle:
             self._gpu.gpu.gl.finish()
         seconds = time.perf_counter() - begin
         self._cost.observe(level, seconds)
-        self._picture = _Picture(key, frame.target, level)
-        self._report(FrameStatus(level.fraction, seconds, level == FULL, 1.0))
+        self._picture = _Picture(key, frame.target, drawn)
+        self._report(FrameStatus(drawn.fraction, seconds, drawn == FULL, 1.0))
+
+    def _worthwhile(self, level: Level) -> Level:
+        """The level without a loss of resolution that would make nothing cheaper."""
+        least = float(getattr(self._current_technique(), "least_resolution", 0.0))
+        return replace(level, fraction=max(level.fraction, least))
 
     def _plan(self, frame: Frame) -> int:
         self._clean(frame)
