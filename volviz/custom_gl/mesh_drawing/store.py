@@ -97,19 +97,34 @@ class _Job:
 
 
 class MeshStore:
-    """Keeps the last mesh and makes the next one, one at a time.
+    """Keeps the last meshes and makes the next one, one at a time.
 
     Parameters
     ----------
+    keeps : int
+        Number of meshes that are kept.
     cancels : bool
         Whether an extraction that nobody wants any more is cancelled. Not where a series of wishes comes faster
         than meshes can be made: each would be cancelled, and none ever shown.
     """
 
-    def __init__(self, *, cancels: bool) -> None:
-        self.last: ReadyMesh | None = None
+    def __init__(self, *, keeps: int, cancels: bool) -> None:
+        self._keeps = keeps
         self._cancels = cancels
+        self._meshes: list[ReadyMesh] = []
         self._job: _Job | None = None
+
+    @property
+    def last(self) -> ReadyMesh | None:
+        """The mesh that was finished or asked for last."""
+        return self._meshes[-1] if self._meshes else None
+
+    def held(self, wish: MeshWish) -> ReadyMesh | None:
+        """The mesh, if there is one already."""
+        return next((mesh for mesh in self._meshes if mesh.wish == wish), None)
+
+    def _put_last(self, mesh: ReadyMesh) -> None:
+        self._meshes = [*(other for other in self._meshes if other is not mesh), mesh][-self._keeps :]
 
     def get(self, wish: MeshWish, patience: float) -> ReadyMesh | None:
         """The mesh, or None when it is not ready within `patience` seconds; `last` is then an older one.
@@ -121,8 +136,10 @@ class MeshStore:
         """
         end = time.monotonic() + patience
         while True:
-            if self.last is not None and self.last.wish == wish:
-                return self.last
+            ready = self.held(wish)
+            if ready is not None:
+                self._put_last(ready)
+                return ready
             if self._job is None:
                 self._job = _Job(wish)
             elif self._cancels and self._job.wish != wish:
@@ -134,12 +151,12 @@ class MeshStore:
             if job.error is not None:
                 raise job.error
             if job.mesh is not None:
-                self.last = job.mesh
+                self._put_last(job.mesh)
 
     def close(self) -> None:
-        """Stop working and forget the mesh."""
+        """Stop working and forget the meshes."""
         if self._job is not None:
             self._job.cancelled.set()
             self._job.thread.join()
             self._job = None
-        self.last = None
+        self._meshes.clear()

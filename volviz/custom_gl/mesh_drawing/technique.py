@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import moderngl
@@ -26,6 +25,8 @@ STAND_IN_TRIANGLES_HARDWARE = 1_500_000
 WIREFRAME_COST = 4
 #: By how much the stride of a stand-in may be larger than that of the mesh.
 COARSER = (1, 2, 4, 8)
+#: Stand-ins that are kept.
+STAND_INS = 3
 #: Before any mesh of a volume is known.
 FIRST_COARSER = 4
 #: Seconds that a moving picture waits for the stand-in of a new isovalue before it shows the old one again.
@@ -34,22 +35,35 @@ STAND_IN_PATIENCE = 0.04
 PATIENCE = 0.015
 
 
-@dataclass
 class _Shown:
-    """The mesh of one kind of frame on the GPU."""
+    """The last meshes of one kind of frame on the GPU, the one that is shown at the end."""
 
-    blocks: MeshBlocks | None = None
+    def __init__(self, keeps: int) -> None:
+        self._keeps = keeps
+        self._held: list[MeshBlocks] = []
 
-    def take(self, frame: Frame, mesh: ReadyMesh) -> None:
-        """Hold this mesh, and only this one."""
-        if self.blocks is None or self.blocks.mesh is not mesh:
-            self.release()
-            self.blocks = MeshBlocks(frame.gpu, mesh)
+    @property
+    def blocks(self) -> MeshBlocks | None:
+        """The mesh that is shown."""
+        return self._held[-1] if self._held else None
+
+    def take(self, frame: Frame, mesh: ReadyMesh) -> MeshBlocks:
+        """Show this mesh, and release the one that was not shown for the longest time."""
+        found = next((blocks for blocks in self._held if blocks.mesh is mesh), None)
+        if found is None:
+            found = MeshBlocks(frame.gpu, mesh)
+        else:
+            self._held.remove(found)
+        self._held.append(found)
+        while len(self._held) > self._keeps:
+            self._held.pop(0).release()
+        return found
 
     def release(self) -> None:
-        if self.blocks is not None:
-            self.blocks.release()
-            self.blocks = None
+        """Release all of them; the context must be current."""
+        for blocks in self._held:
+            blocks.release()
+        self._held.clear()
 
 
 class MeshTechnique:
@@ -57,11 +71,14 @@ class MeshTechnique:
 
     #: The host puts the depth of the surface into VTK's depth buffer.
     writes_depth = True
+    #: Triangles cost, pixels hardly do: detail is given up by coarser stand-ins.
+    least_resolution = 0.5
 
     def __init__(self) -> None:
-        self._full = MeshStore(cancels=True)
-        self._stand_in = MeshStore(cancels=False)
-        self._shown = {False: _Shown(), True: _Shown()}
+        self._full = MeshStore(keeps=1, cancels=True)
+        # those of neighbouring strides are at hand when time gets short, and again when it does not
+        self._stand_in = MeshStore(keeps=STAND_INS, cancels=False)
+        self._shown = {False: _Shown(1), True: _Shown(STAND_INS)}
         self._known: MeshWish | None = None
         self._known_triangles = 0
 
@@ -79,9 +96,7 @@ class MeshTechnique:
             return 0
         if not frame.interactive:
             self._note(mesh)
-        shown = self._shown[frame.interactive]
-        shown.take(frame, mesh)
-        return max(shown.blocks.count if shown.blocks is not None else 0, 1)
+        return max(self._shown[frame.interactive].take(frame, mesh).count, 1)
 
     def _wish(self, frame: Frame) -> MeshWish:
         settings, volume = frame.settings, frame.volume
@@ -93,8 +108,9 @@ class MeshTechnique:
         limit = STAND_IN_TRIANGLES if frame.gpu.limits.software else STAND_IN_TRIANGLES_HARDWARE
         if frame.settings.wireframe:
             limit //= WIREFRAME_COST
-        full = self._full.last
-        if full is not None and full.wish == wish and full.triangles <= limit:
+        limit = int(limit / frame.step_scale)
+        full = self._full.held(wish)
+        if full is not None and full.triangles <= limit:
             return full
         coarse = MeshWish(wish.volume, wish.isovalue, wish.method, wish.stride * self._coarser(wish, limit))
         mesh = self._stand_in.get(coarse, STAND_IN_PATIENCE)
@@ -176,4 +192,4 @@ class MeshTechnique:
 def _near_index(frame: Frame) -> npt.NDArray[np.float64]:
     """Voxel index of the eye, or of the point of the box that is nearest to it."""
     index = frame.volume.world_to_index @ np.append(frame.camera.eye, 1.0)
-    return np.clip(index[:3], 0.0, np.array(frame.volume.dimensions) - 1.0)
+    return np.asarray(np.clip(index[:3], 0.0, np.array(frame.volume.dimensions) - 1.0))

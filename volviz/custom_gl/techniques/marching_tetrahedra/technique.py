@@ -13,6 +13,6 @@ if TYPE_CHECKING:
 class MarchingTetrahedra(MeshTechnique):
     """The mesh of six tetrahedra a cell."""
 
-    def method(self, settings: MarchingTetrahedraSettings) -> str:  # noqa: ARG002 - there is only one
+    def method(self, settings: MarchingTetrahedraSettings) -> str:
         """Tetrahedra, whatever the settings."""
         return "tetrahedra"
