@@ -8,6 +8,7 @@
 #   OPTIONS more options of debootstrap, for example "--components=main,universe"
 #   MIRROR  Debian mirror (default: the first one in apt's own configuration)
 #   BINDS   folders of this machine to show in the root, read-only (for example a folder of wheels)
+#   TESTS   arguments for pytest, for a short look ("tests/unit/test_version.py"); default: all tests
 #   KEEP    1 leaves the root in place
 #
 # Configuration of apt and pip, proxies and certificates are those of this machine.
@@ -15,6 +16,7 @@ set -euo pipefail
 
 root=${1:-/tmp/volviz-bare}
 suite=${SUITE:-bookworm}
+tests=${TESTS:-}
 checkout=$(cd "$(dirname "$0")/.." && pwd)
 
 first_mirror() {
@@ -93,10 +95,10 @@ step "An ordinary user without sudo: make test prints the command and stops" ref
 step "An ordinary user without sudo: make run prints the command and stops" refused as_user 'cd ~/volviz && make run'
 step "root: make run (no display), the first time; it installs only what drawing needs" \
     within 'cd /root/volviz && make run && ls -l out'
-step "root: make test, the first time" within 'cd /root/volviz && make test'
-step "root: make test, the second time, without network" offline 'cd /root/volviz && make test'
+step "root: make test, the first time" within "cd /root/volviz && make test ARGS='$tests'"
+step "root: make test, the second time, without network" offline "cd /root/volviz && make test ARGS='$tests'"
 step "An ordinary user, once the libraries are there: make run" as_user 'cd ~/volviz && make run && ls -l out'
-step "An ordinary user, once the libraries are there: make test" as_user 'cd ~/volviz && make test'
+step "An ordinary user, once the libraries are there: make test" as_user "cd ~/volviz && make test ARGS='$tests'"
 
 if [ ${#failed[@]} -gt 0 ]; then
     printf '\nFailed: %s\n' "${failed[@]}" >&2
