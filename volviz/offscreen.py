@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import InputError
+from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
@@ -19,29 +20,6 @@ if TYPE_CHECKING:
     from volviz.custom_gl.host import VolumeHandle
 
 MAX_SIZE = 16384
-
-#: Viewing direction of `default_camera`, as degrees about the volume's upright axis and above its horizon.
-DEFAULT_AZIMUTH, DEFAULT_ELEVATION = -30.0, 15.0
-
-
-def default_camera(
-    volume: Volume, size: tuple[int, int], azimuth: float = 0.0, elevation: float = 0.0
-) -> Camera:
-    """A camera that sees the whole volume, from the front, a little to the side and above.
-
-    Parameters
-    ----------
-    volume : Volume
-        What to see.
-    size : tuple of 2 ints
-        Width and height of the picture in pixels.
-    azimuth, elevation : float
-        Further turn in degrees.
-    """
-    camera = Camera.fit(volume.corners).turned(DEFAULT_AZIMUTH + azimuth, DEFAULT_ELEVATION + elevation)
-    return Camera.fit(
-        volume.corners, direction=camera.direction, view_up=camera.view_up, aspect=size[0] / size[1]
-    )
 
 
 def render(
@@ -95,7 +73,12 @@ def render(
         raise InputError(f'dtype of a picture is "uint8" or "float32", got {dtype!r}.')
     width, height = _checked_size(size)
     color = _checked_background(background)
-    view = Camera.coerce(camera) if camera is not None else default_camera(volume, (width, height))
+    if transfer_function is None:
+        transfer_function = TransferFunction.auto(volume)
+    if camera is None:
+        view = default_camera(volume, (width, height), transfer_function=transfer_function)
+    else:
+        view = Camera.coerce(camera)
     premultiplied = _draw(
         volume, technique, (width, height), view,
         dict(

@@ -74,7 +74,7 @@ def test_mipmaps_calm_a_volume_seen_from_afar() -> None:
 
 def test_a_reduced_volume_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VOLVIZ_TEXTURE_MB", "1")
-    of = volviz.Volume(blobs((80, 80, 80), np.float32))
+    of = volviz.Volume(blobs((120, 120, 120), np.float32))
     window = pyvista.Plotter(off_screen=True, window_size=(64, 64))
     handle = volviz.add_volume(window, of, transfer_function=function(of))
     window.show(auto_close=False, interactive=False)

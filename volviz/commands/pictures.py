@@ -95,11 +95,14 @@ def draw(
     """Draw one picture and say where it lies and how long it took."""
     from dataclasses import replace
 
-    from volviz.offscreen import default_camera, render
+    from volviz.framing import default_camera
+    from volviz.model.transfer_function import TransferFunction
+    from volviz.offscreen import render
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
-    camera = default_camera(volume, size, options.azimuth, options.elevation)
+    function = function or TransferFunction.auto(volume)
+    camera = default_camera(volume, size, options.azimuth, options.elevation, function)
     camera = replace(
         camera, view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0), parallel=options.parallel
     )

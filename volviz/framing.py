@@ -1,0 +1,65 @@
+"""The camera with which a volume is seen first: all that is visible of it, from an angle that shows its shape."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
+from volviz.kernels.bricks import occupancy, visible_prefix
+from volviz.model.camera import Camera
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+
+#: Viewing direction: degrees to the side of a look at a patient's face, and above the horizon.
+AZIMUTH, ELEVATION = -30.0, 15.0
+
+#: A brick counts as visible when it may hold at least this opacity: a veil does not decide the frame.
+VISIBLE_OPACITY = 0.004
+
+
+def default_camera(
+    volume: Volume,
+    size: tuple[int, int],
+    azimuth: float = 0.0,
+    elevation: float = 0.0,
+    transfer_function: TransferFunction | None = None,
+) -> Camera:
+    """A camera that sees the whole volume, from the front, a little to the side and above.
+
+    Parameters
+    ----------
+    volume : Volume
+        What to see.
+    size : tuple of 2 ints
+        Width and height of the picture in pixels.
+    azimuth, elevation : float
+        Further turn in degrees.
+    transfer_function : TransferFunction, optional
+        Frames only what this function shows, rather than the whole box.
+    """
+    points = volume.corners if transfer_function is None else visible_points(volume, transfer_function)
+    turned = Camera.fit(points).turned(AZIMUTH + azimuth, ELEVATION + elevation)
+    return Camera.fit(points, direction=turned.direction, view_up=turned.view_up, aspect=size[0] / size[1])
+
+
+def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.float64]:
+    """World positions around everything that a transfer function shows; the box's corners when that is nothing.
+
+    Returns
+    -------
+    ndarray of shape (N, 3)
+        Corners of the bricks that may hold something visible, limited to the volume's box.
+    """
+    bricks = bricks_of(volume)
+    opacity = transfer_function.bake(volume.range)[:, 3]
+    prefix = visible_prefix(np.where(opacity >= VISIBLE_OPACITY, opacity, 0.0))
+    z, y, x = np.nonzero(occupancy(bricks.low, bricks.high, prefix, volume.range))
+    if len(x) == 0:
+        return volume.corners
+    low = np.stack([x, y, z], axis=1) * BRICK
+    corners = np.concatenate([low + BRICK * np.array([c & 1, c >> 1 & 1, c >> 2 & 1]) for c in range(8)])
+    index = np.unique(np.minimum(corners, np.array(volume.dimensions) - 1), axis=0)
+    matrix = volume.index_to_world
+    points: npt.NDArray[np.float64] = index @ matrix[:3, :3].T + matrix[:3, 3]
+    return points
