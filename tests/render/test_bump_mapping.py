@@ -13,6 +13,8 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 from scipy.spatial.transform import Rotation
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkPolyDataTangents
 
 import volviz
 from tests.render.scenes import LEFT_HANDED, OBLIQUE, SIZE, blobs, camera, function, inside, matrices, volume
@@ -23,6 +25,7 @@ from volviz.errors import LoadError, SettingError
 from volviz.kernels.normal_maps import encoded
 from volviz.kernels.reference_relief import Relief, reference_relief
 from volviz.kernels.reference_surface import reference_isosurface
+from volviz.kernels.tangents import vertex_tangents
 from volviz.model.cut_plane import default_cut_plane
 from volviz.model.transfer_function import table_size
 from volviz.offscreen import apply_camera
@@ -94,8 +97,9 @@ def far_light(of: volviz.Volume) -> tuple[float, float, float]:
         {"spacing": (0.7, 1.3, 2.1)},
         {"spacing": (1.0, 1.2, 0.8), "direction": OBLIQUE, "origin": (-300.0, 40.0, 7.0)},
         {"spacing": (1.0, 1.2, 1.8), "direction": LEFT_HANDED},
+        {"direction": [[1.0, 0.0, 0.0], [0.0, 1.0, np.sin(0.1)], [0.0, 0.0, np.cos(0.1)]]},
     ],
-    ids=["plain", "anisotropic", "oblique", "left-handed"],
+    ids=["plain", "anisotropic", "oblique", "left-handed", "sheared"],
 )
 def test_the_cut_is_that_of_the_oracle_in_every_geometry(geometry: dict[str, Any]) -> None:
     of = volume(**geometry)
@@ -507,6 +511,27 @@ def test_a_mesh_is_cropped_and_clipped() -> None:
     cropped = picture(of, view, crop=(0, 31, 0, 31, 15.5, 31), **values)[..., 3]
     assert 0.35 < clipped.sum() / whole.sum() < 0.75
     assert np.array_equal(clipped, cropped)
+
+
+def test_tangents_agree_with_those_of_vtk() -> None:
+    latitude, longitude = np.meshgrid(np.linspace(-1.3, 1.3, 24), np.linspace(0.0, 6.0, 48), indexing="ij")
+    grid = pyvista.StructuredGrid(
+        np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)
+    )
+    mesh = grid.extract_surface(algorithm="dataset_surface").triangulate()
+    points = np.asarray(mesh.points, float)
+    uv = np.stack([np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi), np.arcsin(points[:, 2])], axis=1)
+    mesh.point_data.active_normals = points
+    mesh.active_texture_coordinates = uv
+    made = vtkPolyDataTangents()
+    made.SetInputData(mesh)
+    made.Update()
+    theirs = vtk_to_numpy(made.GetOutput().GetPointData().GetTangents()).astype(float)
+    theirs -= points * np.einsum("vi,vi->v", theirs, points)[:, None]
+    theirs /= np.linalg.norm(theirs, axis=1, keepdims=True)
+    ours = vertex_tangents(points, points, mesh.regular_faces, uv)[:, :3]
+    # VTK weights the triangles of a vertex by something else
+    assert np.einsum("vi,vi->v", ours, theirs).min() > np.cos(np.radians(5))
 
 
 # ------------------------------------------------------------------------------------------------ in VTK's scene

@@ -94,33 +94,6 @@ def test_without_usable_texture_coordinates_any_perpendicular_vector_is_taken() 
     assert np.abs(np.einsum("vi,vi->v", tangents[:, :3], points)).max() < 1e-12
 
 
-def test_tangents_agree_with_those_of_vtk() -> None:
-    vtk_core = pytest.importorskip("vtkmodules.vtkFiltersCore")
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-    from vtkmodules.vtkCommonCore import vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-
-    points, faces, uv = sphere()
-    mesh = vtkPolyData()
-    places = vtkPoints()
-    places.SetData(numpy_to_vtk(points, deep=True))
-    mesh.SetPoints(places)
-    cells = vtkCellArray()
-    cells.SetData(3, numpy_to_vtkIdTypeArray(faces.ravel().astype(np.int64), deep=True))
-    mesh.SetPolys(cells)
-    mesh.GetPointData().SetNormals(numpy_to_vtk(points, deep=True))
-    mesh.GetPointData().SetTCoords(numpy_to_vtk(uv, deep=True))
-    made = vtk_core.vtkPolyDataTangents()
-    made.SetInputData(mesh)
-    made.Update()
-    theirs = vtk_to_numpy(made.GetOutput().GetPointData().GetTangents()).astype(float)
-    theirs -= points * np.einsum("vi,vi->v", theirs, points)[:, None]
-    theirs /= np.linalg.norm(theirs, axis=1, keepdims=True)
-    ours = vertex_tangents(points, points, faces, uv)[:, :3]
-    # VTK weights triangles differently
-    assert np.einsum("vi,vi->v", ours, theirs).min() > np.cos(np.radians(5))
-
-
 def test_projected_triangles_keep_their_shape_and_are_never_mirrored() -> None:
     points, faces, _ = sphere()
     made = box_projection(points, points, faces, np.eye(3))

@@ -73,8 +73,10 @@ vec3 tangent_normal(vec3 p, vec2 uv, vec3 t, vec3 b, vec3 n, float facing) {
     bool found = on_surface(p, n);
     vec3 g = -world_gradient(p);
     float size = length(g);
-    if (!found || !(size > u_flat_gradient)) return vec3(0.0, 0.0, facing < 0.0 ? -1.0 : 1.0);
-    vec3 v = vec3(u_bump_strength * vec2(dot(g, t), dot(g, b)), max(dot(g, n), 1e-3 * size)) / size;
+    // a surface that stands across the triangle is another one
+    found = found && size > u_flat_gradient && dot(g, n) > 0.3 * size;
+    vec3 v = vec3(0.0, 0.0, 1.0);
+    if (found) v = vec3(u_bump_strength * vec2(dot(g, t), dot(g, b)), dot(g, n)) / size;
 #elif SOURCE_DATA
     vec3 g = world_gradient(p);
     vec3 v = vec3(-u_relief_height * vec2(dot(g, t), dot(g, b)), 1.0);
