@@ -26,6 +26,8 @@ TARGET_COVERED, TARGET_LOW, TARGET_HIGH = 0.88, 0.2, 0.68
 VEIL = 0.14
 #: Share of rays that must meet something, or the threshold is lowered.
 LEAST_COVERAGE = 0.04
+#: Share of the variance between two classes above which they count as two materials.
+TWO_CLASSES = 0.8
 #: Distinct values up to which whole numbers are taken for labels.
 MOST_LABELS = 64
 #: Largest opacity of a control point.
@@ -172,6 +174,9 @@ def _levels(look: FirstLook) -> _Levels:
     cut = _otsu(look.values.ravel(), None, 1)
     if cut and scatter > 0 and start < cut[0] and look.coverage(cut[0]) >= 0.35:
         start = max(start, background + 0.5 * (cut[0] - background))
+    # Two materials that both reach the surface of the box widen what looks like the scatter of one.
+    if cut and start > cut[0] and _separability(look.values / look.scale, cut[0] / look.scale) > TWO_CLASSES:
+        start = cut[0]
     if np.count_nonzero(look.values > start) < 32 and start > low:
         start = low + 0.35 * (high - low)
     for _ in range(8):
@@ -260,6 +265,17 @@ def _otsu(values: Floats, weights: Floats | None, cuts: int, bins: int = 64) -> 
     i, j = i[i >= 1], j[i >= 1]
     k = int(np.argmax(between(0, i) + between(i, j) + between(j, bins)))
     return float(edges[i[k]]), float(edges[j[k]])
+
+
+def _separability(values: Floats, cut: float) -> float:
+    """Share of the variance that lies between the two sides of a cut: 0.64 of one normal distribution."""
+    above = values > cut
+    share = float(above.mean())
+    total = float(np.var(values))
+    if not 0.0 < share < 1.0 or total == 0.0:
+        return 0.0
+    apart = float(values[above].mean() - values[~above].mean())
+    return share * (1.0 - share) * apart**2 / total
 
 
 def _of_levels(levels: _Levels, look: FirstLook) -> TransferFunction:

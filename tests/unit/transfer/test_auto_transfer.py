@@ -73,6 +73,12 @@ def test_a_dark_object_in_a_bright_surrounding_is_seen_and_the_surrounding_is_no
     assert dark > 0.01
 
 
+def test_two_materials_that_fill_the_box_are_told_apart() -> None:
+    thin, dense = auto_transfer_function(UNSEEN["two phases"]()).evaluate([120.0, 160.0])[:, 3]
+    assert dense > 0.01
+    assert thin < 0.1 * dense
+
+
 def test_labels_get_flat_pieces_with_the_background_left_out() -> None:
     function = auto_transfer_function(UNSEEN["labels"]())
     colors = function.evaluate([0, 1, 2, 7, 30])

@@ -116,6 +116,23 @@ def vessels() -> Volume:
     return Volume(values.astype(np.int16))
 
 
+def two_phases() -> Volume:
+    """Both materials reach every face of the box, as in a rock or a foam."""
+    rng = np.random.default_rng(10)
+    axis = np.linspace(0, 6, N)
+    waves = sum(
+        np.sin(k * axis)[:, None, None] + np.cos(k * axis + 1)[:, None] + np.sin(k * axis + 2)
+        for k in (1, 2, 3)
+    )
+    return Volume((120 + 40 * (waves > 0) + rng.normal(0, 8, waves.shape)).astype(np.uint8))
+
+
+def vessels_in_noise_with_a_sentinel() -> Volume:
+    values = vessels().array.astype(np.float32)
+    values[radius() > 0.95] = -9999.0
+    return Volume(values)
+
+
 UNSEEN: dict[str, Callable[[], Volume]] = {
     "ct": ct,
     "ct with a padded outside": lambda: ct(pad=-3024.0),
@@ -136,6 +153,8 @@ UNSEEN: dict[str, Callable[[], Volume]] = {
     "thin stack": thin_stack,
     "salt": salt,
     "vessels": vessels,
+    "two phases": two_phases,
+    "a sentinel outside": vessels_in_noise_with_a_sentinel,
     "noise": lambda: Volume(np.random.default_rng(9).random((N, N, N), np.float32)),
     "ramp": lambda: Volume(np.broadcast_to(np.linspace(-1, 1, N, dtype=np.float32), (N, N, N))),
     "two voxels an axis": lambda: Volume(np.arange(8).reshape(2, 2, 2)),
