@@ -1,0 +1,156 @@
+"""Pictures of README and documentation, drawn by the program itself: python scripts/make_pictures.py [NAME ...].
+
+Without names all of them are drawn into docs/images/. The window's picture needs a display (xvfb-run does).
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import volviz
+from volviz.framing import default_camera
+from volviz.model.presets import preset_for
+
+FOLDER = Path(__file__).parent.parent / "docs" / "images"
+SIZE = (420, 320)
+BACKGROUND = (0.08, 0.09, 0.11)
+
+#: Sample, preset and settings that show a technique well.
+SCENES: dict[str, tuple[str, str | None, dict[str, object]]] = {
+    "raycast": ("ct-chest", "ct-bone", {"shading": True}),
+    "slicing": ("engine", "engine", {}),
+    "two_pass_raycast": ("mri-brain", "mri", {"shading": True}),
+    "isosurface": ("mri-head", None, {}),
+    "splatting": ("mri-head", None, {}),
+    "half_angle": ("mri-brain", "mri", {}),
+    "bump_mapping": ("mri-head", None, {}),
+    "marching_cubes": ("ct-chest", None, {"isovalue": 180.0}),
+    "marching_tetrahedra": ("marschner-lobb", None, {}),
+}
+
+
+def picture(
+    sample: str, technique: str, preset: str | None, size: tuple[int, int] = SIZE, **values: object
+) -> Image.Image:
+    """A picture of a sample."""
+    volume = volviz.load(f"sample:{sample}")
+    function = preset_for(preset, volume) if preset else volviz.TransferFunction.auto(volume)
+    camera = default_camera(volume, size, transfer_function=function)
+    pixels = volviz.render(
+        volume,
+        technique,
+        transfer_function=function,
+        size=size,
+        camera=camera,
+        background=BACKGROUND,
+        **values,
+    )
+    return Image.fromarray(pixels).convert("RGB")
+
+
+def side_by_side(pictures: list[Image.Image], columns: int) -> Image.Image:
+    """Pictures of one size in rows, two pixels apart."""
+    width, height = pictures[0].size
+    rows = -(-len(pictures) // columns)
+    sheet = Image.new("RGB", (columns * (width + 2) - 2, rows * (height + 2) - 2), "white")
+    for i, one in enumerate(pictures):
+        sheet.paste(one, ((i % columns) * (width + 2), (i // columns) * (height + 2)))
+    return sheet
+
+
+def save(image: Image.Image, name: str) -> None:
+    """Write a picture with few bytes: 256 colours are enough on a page."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    path = FOLDER / f"{name}.png"
+    image.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+    print(f"{path.name}: {image.width} x {image.height}, {path.stat().st_size // 1024} KB")
+
+
+def draw_techniques() -> None:
+    """One picture a technique, and all of them on one sheet."""
+    pictures = []
+    for technique, (sample, preset, values) in SCENES.items():
+        if technique in volviz.techniques():
+            pictures.append(picture(sample, technique, preset, **values))
+            save(pictures[-1], technique)
+    save(side_by_side([one.resize((280, 213)) for one in pictures], 3), "techniques")
+
+
+def draw_slices() -> None:
+    """8 to 256 slices: polygons above, pictures below."""
+    counts, size = (8, 16, 32, 64, 128, 256), (200, 170)
+    rows = [
+        [picture("engine", "slicing", "engine", size, slices=n, display=display) for n in counts]
+        for display in ("wireframe", "image")
+    ]
+    save(side_by_side([*rows[0], *rows[1]], len(counts)), "slicing-counts")
+
+
+def draw_modes() -> None:
+    """The modes of ray casting."""
+    modes = ("composite", "maximum", "minimum", "average", "additive", "attenuated_maximum")
+    ramp = volviz.TransferFunction.from_points([(0.0, (0, 0, 0, 0)), (1.0, (1, 1, 1, 1))], domain="relative")
+    volume = volviz.load("sample:mri-head")
+    camera = default_camera(volume, (200, 170))
+    pictures = [
+        Image.fromarray(
+            volviz.render(
+                volume, transfer_function=ramp, size=(200, 170), camera=camera, background=BACKGROUND, mode=mode,
+                opacity_unit_distance=30.0 if mode in ("composite", "additive") else None,
+            )
+        ).convert("RGB")
+        for mode in modes
+    ]  # fmt: skip
+    save(side_by_side(pictures, 3), "modes")
+
+
+def draw_window() -> None:
+    """The desktop program with its first picture."""
+    from volviz.environment import prepare
+
+    prepare()
+    from PySide6.QtCore import QSettings
+
+    from volviz_ui.application import make_application
+
+    application = make_application()
+    from volviz_ui.main_window import MainWindow
+    from volviz_ui.preferences import Preferences
+    from volviz_ui.theme import Theme
+
+    for name in ("dark", "light"):
+        settings = QSettings(str(FOLDER / f"window-{name}.ini"), QSettings.Format.IniFormat)
+        window = MainWindow(Theme(application, name), Preferences(settings))
+        window.resize(1360, 860)
+        window.show()
+        window.open("sample:mri-brain" if name == "dark" else "sample:engine")
+        while window.display.handle is None or not window.display.handle.status.complete:
+            application.processEvents()
+        for _ in range(200):
+            application.processEvents()
+        grabbed = window.grab().toImage().convertToFormat(window.grab().toImage().Format.Format_RGB888)
+        pixels = np.frombuffer(grabbed.constBits(), np.uint8).reshape(
+            grabbed.height(), grabbed.bytesPerLine()
+        )
+        image = pixels[:, : 3 * grabbed.width()].reshape(grabbed.height(), grabbed.width(), 3)
+        save(Image.fromarray(image.copy()), f"window-{name}")
+        window.close()
+        window.deleteLater()
+        Path(settings.fileName()).unlink(missing_ok=True)
+
+
+DRAWINGS: dict[str, Callable[[], None]] = {
+    "techniques": draw_techniques,
+    "slices": draw_slices,
+    "modes": draw_modes,
+    "window": draw_window,
+}
+
+if __name__ == "__main__":
+    for chosen in sys.argv[1:] or DRAWINGS:
+        DRAWINGS[chosen]()
