@@ -20,9 +20,11 @@ from tests.render.scenes import (
     psnr,
     volume,
 )
+from volviz.custom_gl.techniques.half_angle.blocks import Visible, block_polygons, grown_box
 from volviz.custom_gl.techniques.half_angle.light_path import choose_slicing, light_matrix, rays_from, unit
 from volviz.custom_gl.techniques.half_angle.technique import INEXACT, INSIDE
 from volviz.kernels.reference_shadows import reference_shadows
+from volviz.kernels.slices import box_distance_range, crop_corners, slab_centres, slice_polygons
 from volviz.model.transfer_function import table_size
 from volviz.offscreen import apply_camera
 
@@ -403,6 +405,48 @@ def test_the_light_sees_the_whole_box_and_fills_its_buffer(seed: int) -> None:
         assert np.all(clip[:, 3] > 0)
         flat = np.abs(clip[:, :2] / clip[:, 3:]).max(axis=0)
         assert flat == pytest.approx([1 - 4 / 512] * 2)
+
+
+def test_the_blocks_of_a_slice_tile_it_without_gap_or_overlap() -> None:
+    of = volume(spacing=(0.8, 1.0, 1.7), origin=(-20.0, 30.0, 7.0), direction=OBLIQUE)
+    random = np.random.default_rng(4)
+    box = (0.0, 34.0, 2.5, 31.0, 0.0, 26.0)
+    visible = Visible(box, np.ones((4, 4, 5), bool))
+    margin = np.array([0.5, 0.6, 0.7])
+    for _ in range(10):
+        normal = unit(random.normal(size=3))
+        low, high = box_distance_range(of.corners, normal)
+        distances = slab_centres(low, high, 12)
+        vertices, sides, first = block_polygons(of, visible, margin, 16, normal, distances)
+        whole = crop_corners(of.index_to_world, grown_box(visible, margin), of.dimensions)
+        for s in range(12):
+            parts = sum(area(vertices[p, : sides[p]]) for p in range(first[s], first[s + 1]))
+            polygon, count = slice_polygons(whole, normal, distances[s : s + 1])
+            assert parts == pytest.approx(area(polygon[0, : count[0]]))
+
+
+def area(polygon: npt.NDArray[np.float64]) -> float:
+    """Area of a planar, convex polygon of shape (n, 3)."""
+    fans = np.cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0])
+    return float(np.linalg.norm(fans.sum(axis=0))) / 2
+
+
+def test_leaving_out_invisible_blocks_changes_nothing() -> None:
+    of = volviz.Volume(balls((70, 90, 80), ((20, 25, 15), 8, 1.0), ((60, 70, 55), 9, 0.7)))
+    shown = [
+        (0.0, (0, 0, 0.4, 1e-5)),
+        (0.3, (0.1, 0.3, 1, 1e-5)),
+        (0.7, (1, 0.8, 0.1, 0.15)),
+        (1.0, (1, 0.2, 0.1, 0.5)),
+    ]
+    hidden = [(v, (*c[:3], 0.0 if c[3] == 1e-5 else c[3])) for v, c in shown]
+    values = {"technique_id": "half_angle", "light_position": light_at(of, (1, -2, 1)), "size": (160, 160)}
+    skipping = picture(of, function(of, hidden), camera(of), **values)
+    drawing = picture(of, function(of, shown), camera(of), **values)
+    assert skipping[..., 3].max() > 0.5
+    # light buffers fitted to different boxes differ a little where shadows have edges
+    assert np.abs(skipping - drawing)[..., 3].max() <= 1 / 255
+    assert np.abs(skipping - drawing).mean() <= 0.2 / 255
 
 
 def test_every_ray_of_eye_and_light_meets_the_slices_in_order() -> None:

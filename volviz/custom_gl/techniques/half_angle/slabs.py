@@ -8,20 +8,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
 from volviz.custom_gl.technique import Frame
+from volviz.custom_gl.techniques.half_angle.blocks import Visible, block_polygons, grown_box
 from volviz.custom_gl.techniques.half_angle.light_path import Array, Slicing, smallest_cosine
 from volviz.custom_gl.techniques.half_angle.settings import MAX_SLICES, MIN_SLICES
-from volviz.kernels.bricks import occupancy, visible_prefix
-from volviz.kernels.slices import (
-    box_distance_range,
-    crop_corners,
-    fan_triangles,
-    slab_centres,
-    slice_polygons,
-)
+from volviz.kernels.slices import box_distance_range, crop_corners, fan_triangles, slab_centres
 
-Crop = tuple[float, float, float, float, float, float]
+#: Edge of the blocks that are drawn or left out, in voxels: fine ones cost time to cut, coarse ones to draw.
+BLOCK, BLOCK_WHILE_MOVING = 32, 64
 
 
 class Slabs:
@@ -54,7 +48,7 @@ class Slabs:
         frame: Frame,
         slicing: Slicing,
         view: Array,
-        shown: Crop,
+        visible: Visible,
         eye_rays: Array,
         light_rays: Array,
         *,
@@ -70,8 +64,8 @@ class Slabs:
             Normal of the slices.
         view : ndarray of shape (3,)
             Unit viewing direction: slices are one step apart along it.
-        shown : tuple of 6 floats
-            Part of the cropped box that holds anything visible, in voxel indices.
+        visible : Visible
+            What is to be seen of the volume.
         eye_rays, light_rays : ndarray of shape (N, 3)
             Extreme rays, which say how far a slab reaches beside its polygon.
         eye_inside : bool
@@ -82,27 +76,43 @@ class Slabs:
         count = frame.settings.slices or math.ceil((high - low) / step - 1e-9)
         count = min(max(count, MIN_SLICES), MAX_SLICES)
         if frame.interactive:
-            count = max(count // 2, min(count, 2 * MIN_SLICES))
+            # coarse pixels need no finer slices, and every slice has a price of its own
+            fraction = frame.size[1] / frame.window_size[1]
+            count = max(round(count * min(max(2 * fraction, 0.25), 0.5)), min(count, 2 * MIN_SLICES))
         thickness = (high - low) / count
         if eye_inside:
             low -= float((low + frame.camera.eye @ slicing.half_vector) % thickness)
             count += 1
             high = low + count * thickness
         cosine = min(smallest_cosine(slicing.half_vector, rays) for rays in (eye_rays, light_rays))
-        margin = 0.5 * thickness / cosine
         volume = frame.volume
-        grown = np.array(shown).reshape(3, 2) + np.outer(margin / np.array(volume.spacing), (-1.0, 1.0))
-        key = (volume, grown.tobytes(), slicing.half_vector.tobytes(), low, count)
-        if self._key == key:
+        margin = 0.5 * thickness / cosine / np.array(volume.spacing)
+        key = (
+            visible,
+            margin.tobytes(),
+            slicing.half_vector.tobytes(),
+            low,
+            count,
+            thickness,
+            frame.interactive,
+        )
+        if self._key is not None and all(a is b or a == b for a, b in zip(self._key, key, strict=True)):
             return
         self.count, self.thickness = count, thickness
-        self.corners = crop_corners(volume.index_to_world, grown.ravel().tolist(), volume.dimensions)
-        distances = slab_centres(low, high, count)
-        vertices, sides = slice_polygons(self.corners, -slicing.half_vector, distances)
+        self.corners = crop_corners(volume.index_to_world, grown_box(visible, margin), volume.dimensions)
+        vertices, sides, polygons = block_polygons(
+            volume,
+            visible,
+            margin,
+            BLOCK_WHILE_MOVING if frame.interactive else BLOCK,
+            -slicing.half_vector,
+            slab_centres(low, high, count),
+        )
         to_texture = frame.uniforms["u_world_to_texture"]
         # in float64: world coordinates may be large against the volume's size
         vertices = vertices @ to_texture[:3, :3].T + to_texture[:3, 3]
-        positions, self._first = fan_triangles(vertices, sides)
+        positions, first = fan_triangles(vertices, sides)
+        self._first = first[polygons]
         self._write(frame, positions)
         self._key = key
 
@@ -141,40 +151,3 @@ class Slabs:
         for array, _ in self._arrays.values():
             array.release()
         self._arrays.clear()
-
-
-class VisibleBox:
-    """The part of the box outside which nothing is visible, kept as long as nothing it depends on changes."""
-
-    def __init__(self) -> None:
-        self._key: Any = None
-        self._box: Crop | None = None
-
-    def of(self, frame: Frame) -> Crop | None:
-        """The visible part of the crop box in continuous voxel indices; None when there is nothing to see."""
-        threshold = float(frame.settings.density_threshold)
-        key = (frame.volume, frame.transfer_function, threshold, frame.crop)
-        if self._key is None or any(a is not b and a != b for a, b in zip(self._key, key, strict=True)):
-            self._box = self._find(frame, threshold)
-            self._key = key
-        return self._box
-
-    def _find(self, frame: Frame, threshold: float) -> Crop | None:
-        volume = frame.volume
-        opacity = frame.transfer_function.bake(volume.range, frame.resources.table_entries)[:, 3].copy()
-        opacity[: int(np.floor(threshold * (len(opacity) - 1)))] = 0.0
-        bricks = bricks_of(volume)
-        occupied = occupancy(bricks.low, bricks.high, visible_prefix(opacity), volume.range)
-        if not occupied.any():
-            return None
-        limits: list[float] = []
-        for axis in range(3):
-            others = tuple(other for other in range(3) if other != 2 - axis)
-            indices = np.flatnonzero(occupied.any(axis=others))
-            low, high = frame.crop[2 * axis], frame.crop[2 * axis + 1]
-            # what a brick shows reaches one voxel beyond its own
-            limits.append(min(max(float(indices[0] * BRICK - 1), low), high))
-            limits.append(max(min(float((indices[-1] + 1) * BRICK), high), low))
-            if limits[-1] <= limits[-2]:
-                return None
-        return limits[0], limits[1], limits[2], limits[3], limits[4], limits[5]

@@ -12,6 +12,7 @@ from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
+from volviz.custom_gl.techniques.half_angle.blocks import Visible, VisiblePart
 from volviz.custom_gl.techniques.half_angle.light_path import (
     Array,
     Slicing,
@@ -21,12 +22,12 @@ from volviz.custom_gl.techniques.half_angle.light_path import (
     rays_from,
     unit,
 )
-from volviz.custom_gl.techniques.half_angle.slabs import Slabs, VisibleBox
+from volviz.custom_gl.techniques.half_angle.slabs import Slabs
 
 _HERE = Path(__file__).parent
 
 #: Fragments of eye and light together that one chunk may draw: about 20 ms on software OpenGL.
-CHUNK_FRAGMENTS = 500_000
+CHUNK_FRAGMENTS = 1_500_000
 
 _FRONT_TO_BACK = (moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE)
 _BACK_TO_FRONT = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
@@ -50,7 +51,7 @@ class HalfAngle:
     def __init__(self) -> None:
         self.notice = ""
         self._slabs = Slabs()
-        self._visible = VisibleBox()
+        self._visible = VisiblePart()
         self._slicing = Slicing(np.array([0.0, 0.0, 1.0]), True, True)
         self._uniforms: dict[str, Any] = {}
         self._ranges: list[tuple[int, int]] = []
@@ -63,14 +64,14 @@ class HalfAngle:
         """Ranges of slices; one more chunk shows the light buffer."""
         self._pool = frame.gpu.targets
         self._ranges = []
-        shown = self._visible.of(frame)
-        if shown is not None and frame.tiles:
-            self._arrange(frame, shown)
+        visible = self._visible.of(frame)
+        if visible is not None and frame.tiles:
+            self._arrange(frame, visible)
             self._ranges = self._chunks(frame)
         self._light_buffer(frame).fbo.clear(1.0, 1.0, 1.0, 1.0)
         return len(self._ranges) + 1
 
-    def _arrange(self, frame: Frame, shown: tuple[float, float, float, float, float, float]) -> None:
+    def _arrange(self, frame: Frame, visible: Visible) -> None:
         """Where light and slices are."""
         corners = frame.box_corners
         camera = frame.camera
@@ -99,7 +100,7 @@ class HalfAngle:
         if not self._slicing.exact:
             self.notice = INEXACT
         self._slabs.update(
-            frame, self._slicing, view, shown, eye_rays, light_rays, eye_inside=self._eye_inside
+            frame, self._slicing, view, visible, eye_rays, light_rays, eye_inside=self._eye_inside
         )
         if headlight:
             # what the window does not show casts no visible shadow either

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from volviz.kernels.compiled import compiled
+
 #: Homogeneous world point (x, y, z, w) of the eye; w = 0: infinitely far away in that direction.
 Eye = tuple[float, float, float, float]
 
@@ -36,18 +38,32 @@ def back_to_front(
     """
     if len(indices) == 0:
         return np.zeros(0, np.int64)
-    linear, point = index_to_world[:3, :3], np.array(eye[:3])
-    if eye[3] == 0:
-        nearness = indices @ (linear.T @ point).astype(np.float32)
-    else:
-        # relative to the eye before rounding to float32: world coordinates may be large
-        offset = (index_to_world[:3, 3] - point / eye[3]).astype(np.float32)
-        relative = indices @ linear.T.astype(np.float32)
-        relative += offset
-        nearness = -np.sqrt(np.einsum("ij,ij->i", relative, relative))
+    matrix = np.ascontiguousarray(index_to_world, np.float64)
+    nearness = np.empty(len(indices), np.float32)
+    _measure(indices, matrix, np.array(eye[:3]), eye[3] == 0, nearness)
     low, high = float(nearness.min()), float(nearness.max())
     scale = LEVELS / (high - low) if high > low else 0.0
     return np.argsort(((nearness - low) * scale).astype(np.uint16), kind="stable")
+
+
+@compiled
+def _measure(
+    indices: npt.NDArray[np.float32],
+    matrix: npt.NDArray[np.float64],
+    eye: npt.NDArray[np.float64],
+    is_far: bool,
+    nearness: npt.NDArray[np.float32],
+) -> None:
+    """Negative distances from the eye, or lengths along the direction to it when it is infinitely far away."""
+    for n in range(len(indices)):
+        total = 0.0
+        for row in range(3):
+            # without the origin: it would only cost digits
+            offset = 0.0 if is_far else matrix[row, 3] - eye[row]
+            for column in range(3):
+                offset += matrix[row, column] * indices[n, column]
+            total += offset * eye[row] if is_far else offset * offset
+        nearness[n] = total if is_far else -np.sqrt(total)
 
 
 def shuffled(count: int) -> npt.NDArray[np.int64]:
