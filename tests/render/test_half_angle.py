@@ -426,7 +426,9 @@ def test_the_blocks_of_a_slice_tile_it_without_gap_or_overlap() -> None:
 
 
 def area(polygon: npt.NDArray[np.float64]) -> float:
-    """Area of a planar, convex polygon of shape (n, 3)."""
+    """Area of a planar, convex polygon of shape (n, 3); 0 without vertices."""
+    if len(polygon) == 0:
+        return 0.0
     fans = np.cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0])
     return float(np.linalg.norm(fans.sum(axis=0))) / 2
 
