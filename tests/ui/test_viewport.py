@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QApplication
 from tests.ui.conftest import drag, foreground, is_complete, picture, turn_wheel
 from volviz.model.transfer_function import TransferFunction
 from volviz_ui.main_window import MainWindow
+from volviz_ui.panels.technique_box import choose_technique, drawing_techniques
 
 Wait = Callable[..., None]
 
@@ -262,6 +263,19 @@ def test_floating_and_docking_a_panel_leaves_the_picture_as_it_was(
     if after.shape == before.shape:
         assert np.abs(after - before).max() <= 2
     assert window.display.handle.error is None
+    assert foreground(window).mean() > 0.02
+
+
+def test_techniques_can_be_changed_faster_than_they_draw(window: MainWindow, wait_for: Wait) -> None:
+    errors: list[object] = []
+    window.display.failed.connect(errors.append)
+    for wait in (0, 15, 60):
+        for info in drawing_techniques():
+            choose_technique(window.store, info.id)
+            QTest.qWait(wait)
+    choose_technique(window.store, "raycast")
+    wait_for(lambda: is_complete(window))
+    assert not errors
     assert foreground(window).mean() > 0.02
 
 

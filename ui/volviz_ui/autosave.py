@@ -41,8 +41,9 @@ class Autosave(QObject):
 
     def write(self) -> None:
         """Write now; what cannot be written is no reason to disturb anybody."""
-        if self._store.scene.layer is None:
-            return
+        layer = self._store.scene.layer
+        if layer is None or (self._store.undo_label is None and layer.volume.source.startswith("sample:")):
+            return  # nothing that anybody made
         with suppress(VolvizError, OSError):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             save_session(self._store.scene, self.path)

@@ -68,6 +68,7 @@ class Section(QWidget):
         self.header.setChecked(open_)
         self.header.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.header.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.header.setMinimumHeight(self.header.sizeHint().height())
         self.header.setToolTip(self.tr("Fold or unfold this group"))
         self.line = line = QFrame(self)
         line.setObjectName("section_line")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import QCoreApplication, QEvent, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from volviz.model.auto_isovalue import auto_isovalue
@@ -91,6 +91,8 @@ class TechniquePanel(Panel):
             self.column.removeWidget(old)
             old.hide()
             old.deleteLater()
+        # at once: painted before the layout has settled, the new form would be seen squeezed for a moment
+        QCoreApplication.sendPostedEvents(self.body, QEvent.Type.LayoutRequest.value)
         self.updateGeometry()
 
     def _on_setting_changed(self, name: str, value: Any) -> None:

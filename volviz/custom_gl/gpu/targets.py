@@ -18,12 +18,15 @@ class Target:
         Window depth 0..1.
     fbo : moderngl.Framebuffer
         Both of them.
+    released : bool
+        Whether it is gone: another size was asked for.
     """
 
     def __init__(
         self, context: Any, size: tuple[int, int], *, depth: bool = True, half: bool = False
     ) -> None:
         self.size = size
+        self.released = False
         self.color = context.texture(size, 4, dtype="f2" if half else "f4")
         self.color.filter = (context.NEAREST, context.NEAREST)
         self.color.repeat_x = self.color.repeat_y = False
@@ -41,6 +44,7 @@ class Target:
 
     def release(self) -> None:
         """Release framebuffer and textures; the context must be current."""
+        self.released = True
         self.fbo.release()
         self.color.release()
         if self.depth is not None:

@@ -411,7 +411,8 @@ class VolumeHandle:
         gl.scissor = None
 
     def _show(self, framebuffer: Any) -> None:
-        if self._picture is None:
+        # a technique that waits for a worker may have asked for a target of another size: the old one is gone
+        if self._picture is None or self._picture.target.released:
             return
         width, height, x, y = self._viewport()
         composite(
