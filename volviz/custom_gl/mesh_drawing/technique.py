@@ -71,8 +71,8 @@ class MeshTechnique:
 
     #: The host puts the depth of the surface into VTK's depth buffer.
     writes_depth = True
-    #: Triangles cost, pixels hardly do: detail is given up by coarser stand-ins.
-    least_resolution = 0.5
+    #: Triangles cost more than pixels: below this, detail is given up by coarser stand-ins.
+    least_resolution = 0.375
 
     def __init__(self) -> None:
         self._full = MeshStore(keeps=1, cancels=True)

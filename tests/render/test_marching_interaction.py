@@ -1,0 +1,340 @@
+"""Meshes in a window: extraction on a worker, the newest isovalue, stand-ins, chunks, release."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import pytest
+
+import volviz
+from tests.render.scenes import blobs, camera
+from volviz.custom_gl.host.pacing import BUDGET, FULL, CostModel, Level
+from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.mesh_drawing import blocks, store, technique
+from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish
+from volviz.errors import RenderError
+from volviz.kernels.marching import marching_cubes
+from volviz.offscreen import apply_camera
+
+SIZE = (160, 120)
+
+
+class Pacer:
+    """Notes that the full picture is asked for."""
+
+    requests = 0
+
+    def request(self, handle: object) -> None:
+        self.requests += 1
+
+
+class SlowExtraction:
+    """Takes the place of the kernel and waits for a word before it works."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.go = threading.Event()
+        self.isovalues: list[float] = []
+        self.strides: list[int] = []
+        monkeypatch.setattr(store, "marching_cubes", self)
+
+    def __call__(self, scalars: Any, isovalue: float, **options: Any) -> Any:
+        self.isovalues.append(isovalue)
+        self.strides.append(options["stride"])
+        while not self.go.wait(0.005):
+            if options["cancel"]():
+                break
+        return marching_cubes(scalars, isovalue, **options)
+
+
+@contextmanager
+def shown(of: volviz.Volume, pacer: Any = None, **values: Any) -> Iterator[tuple[Any, Any]]:
+    """A window that shows a mesh, and its handle."""
+    window = pyvista.Plotter(off_screen=True, window_size=SIZE)
+    window.render_window.SetMultiSamples(0)
+    handle = None
+    try:
+        handle = volviz.add_volume(window, of, "marching_cubes", pacer=pacer, **values)
+        apply_camera(window.camera, camera(of))
+        window.reset_camera_clipping_range()
+        window.show(auto_close=False, interactive=False)
+        yield window, handle
+    finally:
+        if handle is not None:
+            handle.remove()
+        window.close()
+
+
+def field() -> volviz.Volume:
+    return volviz.Volume(blobs((49, 49, 49), np.float32))
+
+
+def complete(window: Any, handle: Any) -> Any:
+    """The full picture, drawn turn by turn."""
+    end = time.monotonic() + 30
+    while not handle.refine(0.01):
+        assert time.monotonic() < end, "the picture is never complete"
+    window.render()
+    handle.raise_error()
+    return handle.read_picture()
+
+
+def alone(of: volviz.Volume, isovalue: float) -> Any:
+    """The picture without a pacer."""
+    with shown(of, isovalue=isovalue) as (_, handle):
+        handle.raise_error()
+        return handle.read_picture()
+
+
+# ---------------------------------------------------------------------- the worker
+
+
+def test_the_window_goes_on_while_a_mesh_is_extracted(monkeypatch: pytest.MonkeyPatch) -> None:
+    of = field()
+    exact = alone(of, 0.6)
+    pacer = Pacer()
+    with shown(of, pacer, isovalue=0.4) as (window, handle):
+        before = complete(window, handle)
+        slow = SlowExtraction(monkeypatch)
+        handle.update(isovalue=0.6)
+        asked = pacer.requests
+        window.render()
+        assert pacer.requests > asked
+        for _ in range(5):
+            begin = time.perf_counter()
+            assert not handle.refine(0.03)
+            # the wait for the worker, and what a busy machine adds
+            assert time.perf_counter() - begin < 0.5
+            assert not handle.status.complete
+            window.render()
+            handle.raise_error()
+        assert window.screenshot(return_img=True).std() > 5, "the last picture is gone"
+        slow.go.set()
+        after = complete(window, handle)
+    assert np.abs(after - exact).max() <= 1 / 255
+    assert np.abs(after - before).max() > 0.1
+
+
+def test_of_many_isovalues_the_newest_is_extracted(monkeypatch: pytest.MonkeyPatch) -> None:
+    of = field()
+    exact = alone(of, 0.7)
+    with shown(of, Pacer(), isovalue=0.4) as (window, handle):
+        complete(window, handle)
+        slow = SlowExtraction(monkeypatch)
+        for isovalue in np.linspace(0.45, 0.7, 26):
+            handle.update(isovalue=float(isovalue))
+            handle.refine(0.001)
+        slow.go.set()
+        last = complete(window, handle)
+        assert slow.isovalues[-1] == pytest.approx(0.7)
+    assert np.abs(last - exact).max() <= 1 / 255
+
+
+def test_an_extraction_that_nobody_wants_is_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
+    slow = SlowExtraction(monkeypatch)
+    of = field()
+    meshes = MeshStore(keeps=1, cancels=True)
+    first, second = (MeshWish(of, isovalue, "lorensen", 1) for isovalue in (0.4, 0.6))
+    assert meshes.get(first, 0.0) is None
+    assert meshes.get(second, 1.0) is None, "it should wait for a word"
+    assert slow.isovalues == [0.4, 0.6]
+    slow.go.set()
+    found = meshes.get(second, 30.0)
+    assert found is not None
+    assert found.wish == second
+    assert meshes.held(first) is None
+    meshes.close()
+
+
+def test_stand_ins_of_a_drag_are_finished_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    slow = SlowExtraction(monkeypatch)
+    of = field()
+    meshes = MeshStore(keeps=3, cancels=False)
+    wishes = [MeshWish(of, isovalue, "lorensen", 4) for isovalue in (0.4, 0.5, 0.6)]
+    for wish in wishes:
+        assert meshes.get(wish, 0.0) is None
+    slow.go.set()
+    assert meshes.get(wishes[2], 30.0) is not None
+    # the second one was passed over
+    assert slow.isovalues == [0.4, 0.6]
+    assert meshes.held(wishes[0]) is not None
+    meshes.close()
+
+
+def test_what_the_extraction_raises_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: Any, **__: Any) -> Any:
+        raise RenderError("there is no memory left for the mesh; choose a larger stride.")
+
+    monkeypatch.setattr(store, "marching_cubes", fail)
+    with shown(field(), isovalue=0.4) as (_, handle), pytest.raises(RenderError, match="larger stride"):
+        handle.raise_error()
+
+
+def test_taking_the_volume_away_ends_the_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    slow = SlowExtraction(monkeypatch)
+    with shown(field(), Pacer(), isovalue=0.4) as (_, handle):
+        end = time.monotonic() + 30
+        while not slow.isovalues:
+            # the scalars are uploaded first
+            assert not handle.refine(0.01)
+            assert time.monotonic() < end
+        assert "volviz-mesh" in {thread.name for thread in threading.enumerate()}
+    assert "volviz-mesh" not in {thread.name for thread in threading.enumerate()}
+    assert not slow.go.is_set()
+
+
+# ---------------------------------------------------------------------- stand-ins
+
+
+def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.MonkeyPatch) -> None:
+    of = field()
+    monkeypatch.setattr(technique, "STAND_IN_TRIANGLES", 1500)
+    monkeypatch.setattr(technique, "STAND_IN_TRIANGLES_HARDWARE", 1500)
+    # a machine so slow that full pictures are out of the question
+    monkeypatch.setattr(CostModel, "level", lambda self, quality: Level(0.5))
+    monkeypatch.setattr(technique, "STAND_IN_PATIENCE", 30.0)
+    drawn: list[int] = []
+    draw = blocks.MeshBlocks.draw
+
+    def noted(self: Any, block: int, program: Any) -> None:
+        if block == 0:
+            drawn.append(self.mesh.triangles)
+        draw(self, block, program)
+
+    monkeypatch.setattr(blocks.MeshBlocks, "draw", noted)
+    with shown(of, Pacer(), isovalue=0.4) as (window, handle):
+        full = complete(window, handle)
+        handle.begin_interaction()
+        drawn.clear()
+        window.camera.Azimuth(3)
+        window.render()
+        handle.raise_error()
+        assert len(drawn) == 1
+        assert 100 < drawn[0] <= 1500
+        window.camera.Azimuth(-3)
+        handle.end_interaction()
+        again = complete(window, handle)
+        assert drawn[-1] > 4000
+    assert np.abs(again - full).max() <= 1 / 255
+
+
+def test_small_meshes_need_no_stand_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CostModel, "level", lambda self, quality: Level(0.5))
+    with shown(volviz.Volume(blobs(dtype=np.float32)), Pacer(), isovalue=0.4) as (window, handle):
+        complete(window, handle)
+        slow = SlowExtraction(monkeypatch)
+        handle.begin_interaction()
+        window.camera.Azimuth(3)
+        window.render()
+        handle.raise_error()
+        assert not slow.isovalues
+        handle.end_interaction()
+
+
+def test_interaction_never_takes_a_full_picture_for_cheap_because_stand_ins_are() -> None:
+    cost = CostModel()
+    cost.observe(FULL, 0.8)
+    for _ in range(100):
+        level = cost.level("balanced")
+        assert level != FULL
+        # the stand-in takes the same short time at each level
+        cost.observe(level, 0.01)
+    assert level.fraction == 0.75
+    assert cost.full_seconds == pytest.approx(0.8)
+    cost.observe(FULL, BUDGET["balanced"] / 2)
+    assert cost.level("balanced") == FULL
+
+
+def test_resolution_is_not_given_up_where_triangles_cost() -> None:
+    with shown(field(), Pacer(), isovalue=0.4) as (window, handle):
+        complete(window, handle)
+        handle.begin_interaction()
+        for _ in range(3):
+            window.camera.Azimuth(3)
+            handle._cost.observe(Level(0.125, 4.0), 5.0)
+            window.render()
+            handle.raise_error()
+            assert handle.status.resolution == technique.MeshTechnique.least_resolution
+        handle.end_interaction()
+
+
+# ---------------------------------------------------------------------- buffers
+
+
+def test_moving_the_camera_and_changing_looks_uploads_nothing() -> None:
+    with shown(field(), isovalue=0.4) as (window, handle):
+        uploads = handle.gpu.uploads
+        window.camera.Azimuth(30)
+        window.render()
+        handle.update(color=(1.0, 0.0, 0.0), ambient=0.4, crop=(0, 30, 0, 48, 0, 48))
+        window.render()
+        handle.raise_error()
+        assert handle.gpu.uploads == uploads
+        handle.update(isovalue=0.5)
+        window.render()
+        handle.raise_error()
+        assert handle.gpu.uploads > uploads
+
+
+def test_only_the_shown_mesh_stays_on_the_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
+    alive: set[int] = set()
+    begin, release = blocks.MeshBlocks.__init__, blocks.MeshBlocks.release
+
+    def made(self: Any, *arguments: Any) -> None:
+        begin(self, *arguments)
+        alive.add(id(self))
+
+    def released(self: Any) -> None:
+        release(self)
+        assert not self._buffers
+        assert not self._arrays
+        alive.discard(id(self))
+
+    monkeypatch.setattr(blocks.MeshBlocks, "__init__", made)
+    monkeypatch.setattr(blocks.MeshBlocks, "release", released)
+    with shown(field(), isovalue=0.4) as (window, handle):
+        for isovalue in np.linspace(0.3, 0.8, 12):
+            handle.update(isovalue=float(isovalue))
+            window.render()
+            handle.raise_error()
+            assert len(alive) == 1
+        for _ in range(5):
+            for other in ("raycast", "marching_tetrahedra", "marching_cubes"):
+                handle.update(technique=other)
+                window.render()
+                handle.raise_error()
+        assert len(alive) == 1
+    assert not alive
+
+
+def test_blocks_hold_every_triangle_once() -> None:
+    class Buffers:
+        """Stands for the GPU and keeps what is uploaded."""
+
+        uploads = 0
+
+        def __init__(self) -> None:
+            self.gl = self
+            self.made: list[Any] = []
+
+        def buffer(self, data: Any) -> Any:
+            self.made.append(data.copy())
+            return data
+
+    vertices, faces, normals = marching_cubes(np.random.default_rng(1).random((30, 30, 30)), 0.5)
+    assert normals is not None
+    mesh = store.ReadyMesh(MeshWish(field(), 0.5, "lorensen", 1), vertices, faces, normals)
+    gpu: Any = Buffers()
+    cut = blocks.MeshBlocks(gpu, mesh)
+    assert cut.count > 2
+    found = []
+    for block in range(cut.count):
+        cut._uploaded(block)
+        packed, indices = gpu.made[-2:]
+        found.append(packed[indices.ravel()])
+    assert np.array_equal(np.concatenate(found), np.hstack([vertices, normals])[faces.ravel()])
+    assert gpu.uploads == cut.count
