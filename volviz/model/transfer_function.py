@@ -192,7 +192,11 @@ class TransferFunction:
         """
         low, high = data_range
         points = self.resolved(data_range).points
-        first, last = max(points[0].value, low), min(points[-1].value, high)
+        first, last = points[0].value, points[-1].value
+        if len(points) > 1 and points[1].value == first:
+            # a jump at the very start: the side below it must stay within the table
+            first -= 1e-3 * (last - first)
+        first, last = max(first, low), min(last, high)
         return (first, last) if first < last else (low, high)
 
     def visible_range(self, data_range: tuple[float, float]) -> tuple[float, float] | None:

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.unit.transfer.functions import functions, point, unit, value
@@ -47,6 +47,10 @@ def test_a_table_is_the_function_at_the_texel_centres(function, size, low, span)
     assert table.dtype == np.float32
 
 
+@example(
+    TransferFunction.from_points([(-0.25, (0, 0, 0, 0)), (-0.25, (0, 0, 0, 1)), (0, (0, 0, 0, 0))]),
+    (-0.5, 1.0),
+)
 @given(functions, st.tuples(value, st.floats(0.5, 500)))
 def test_clamped_look_up_in_the_narrow_range_gives_the_function_everywhere(function, data) -> None:
     low, high = data[0], data[0] + data[1]
