@@ -23,6 +23,7 @@ import numpy.typing as npt
 from volviz.errors import Cancelled
 from volviz.kernels.arrays import native_slab
 from volviz.kernels.compiled import compiled
+from volviz.kernels.marching.buffers import new_array
 from volviz.kernels.marching.decisions import count_triangles, decide_configurations
 from volviz.kernels.marching.lattice import Lattice
 from volviz.kernels.marching.rows import (
@@ -107,7 +108,8 @@ class Extraction:
         self.progress = progress
         self.cancel = cancel
         depth, height, width = self.samples.shape
-        self.bits = np.empty((depth, height, words_in_row(width)), np.uint64)
+        words = words_in_row(width)
+        self.bits = new_array(depth * height * words, np.uint64).reshape(depth, height, words)
         self.cells = cell_words(width)
         self.steps = np.array(tables.steps, np.int64)
         # Kinds of vertices: one for each step, and one more for vertices in the middle of cells.
@@ -190,9 +192,9 @@ class Extraction:
         face_count = running_sums(self.triangle_starts.reshape(-1))
 
         number_type = np.int32 if vertex_count < 2**31 else np.int64
-        faces = np.empty(3 * face_count, number_type)
-        vertices = np.empty(3 * vertex_count, np.float32)
-        normals = np.empty(3 * vertex_count if self.with_normals else 0, np.float32)
+        faces = new_array(3 * face_count, number_type)
+        vertices = new_array(3 * vertex_count, np.float32)
+        normals = new_array(3 * vertex_count if self.with_normals else 0, np.float32)
         self._for_all_pieces(lambda i, a, b: self.write_triangles(i, a, b, faces), 0.3, 0.5)
         self.configurations = []
         real = np.float32 if _fits_float32(self.samples.dtype) else np.float64
@@ -216,7 +218,7 @@ class Extraction:
         count_vertices(
             self.bits, self.cells, self.steps, self.vertex_starts, first, self._planes(first, stop)
         )
-        room = np.empty((stop - first) * (self.samples.shape[1] - 1) * (width - 1) + 4, np.uint8)
+        room = new_array((stop - first) * (self.samples.shape[1] - 1) * (width - 1) + 4, np.uint8)
         cells = list_active_cells(
             self.bits,
             self.cells,
