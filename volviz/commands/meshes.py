@@ -33,7 +33,7 @@ def add_commands(commands: Any) -> None:
         "--decimate", type=float, default=0.0, metavar="SHARE", help="triangles to remove, 0..1"
     )
     isosurface.add_argument(
-        "-o", "--output", required=True, metavar="FILE", help=".stl, .ply, .obj, .vtp, .gltf, .glb"
+        "-o", "--output", required=True, metavar="FILE", help=".stl, .ply, .obj, .vtp, .gltf"
     )
     isosurface.set_defaults(run=run_isosurface)
 

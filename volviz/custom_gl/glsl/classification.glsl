@@ -1,15 +1,18 @@
 // From scalars to colour and opacity.
 
-uniform sampler2D t_table;                 // straight RGBA over the data range, one row
-uniform float u_table_last;                  // texture coordinate of the table = fraction * x + y
+uniform sampler2D t_table;                 // straight RGBA over the part of the range where it changes, one row
+uniform vec2 u_table_map;                  // position in the table, 0..1 = fraction of the data range * x + y
+uniform float u_table_last;                // number of entries - 1
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / opacity unit distance, per world unit
 uniform float u_gradient_opacity;          // 0..1
 uniform float u_inverse_gradient_scale;    // 1 / largest gradient, in world units per fraction of the range
 
 vec4 classify(float s) {
-    float x = clamp(s, 0.0, 1.0) * u_table_last; float i = floor(x);
-    vec4 c = mix(texelFetch(t_table, ivec2(int(i), 0), 0), texelFetch(t_table, ivec2(min(int(i) + 1, int(u_table_last)), 0), 0), x - i);
+    // two fetches and a mix: a linear filter reads four texels of a texture that is one texel high
+    float x = clamp(s * u_table_map.x + u_table_map.y, 0.0, 1.0) * u_table_last;
+    float i = min(floor(x), u_table_last - 1.0);
+    vec4 c = mix(texelFetch(t_table, ivec2(int(i), 0), 0), texelFetch(t_table, ivec2(int(i) + 1, 0), 0), x - i);
     return s < u_density_threshold ? vec4(0.0) : c;
 }
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import moderngl
 import numpy as np
+import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.scalars import BRICK, Texels, bricks_of, choose_format, levels_of, texels_of
@@ -133,24 +134,40 @@ class VolumeResources:
         from volviz.kernels.preintegration import preintegration_table
 
         def make() -> Any:
-            table = self._baked(transfer_function).copy()
-            table[: self._below(threshold, len(table)), 3] = 0.0
+            data_range = self._preintegration_range(transfer_function)
+            table = transfer_function.bake(data_range, self._entries(data_range))
+            table[: self._below(threshold, data_range, len(table)), 3] = 0.0
             return self.gpu.table_texture(preintegration_table(table, 1.0, size))
 
         return self._cached(self._tables, "preintegrated", (transfer_function, size, threshold), make)
 
-    @staticmethod
-    def _below(threshold: float, entries: int) -> int:
-        """Number of table entries that lie below a density threshold."""
-        return int(np.ceil(threshold * (entries - 1)))
+    def _below(self, threshold: float, data_range: tuple[float, float], entries: int) -> int:
+        """Number of entries of a table over a range that lie below a density threshold."""
+        (low, high), (first, last) = self.volume.range, data_range
+        share = (low + threshold * (high - low) - first) / (last - first) if last > first else 0.0
+        return min(max(int(np.ceil(share * (entries - 1))), 0), entries) if threshold > 0 else 0
 
     def _baked(self, transfer_function: TransferFunction) -> Any:
-        return transfer_function.bake(self.volume.range, self.table_entries)
+        data_range = transfer_function.table_range(self.volume.range)
+        return transfer_function.bake(data_range, self._entries(data_range))
 
-    @property
-    def table_entries(self) -> int:
-        """Entries of the baked table."""
-        return table_size(self.volume.range, self.volume.array.dtype.kind in "iu")
+    def _entries(self, data_range: tuple[float, float]) -> int:
+        return table_size(data_range, self.volume.array.dtype.kind in "iu")
+
+    def table_lookup(self, transfer_function: TransferFunction) -> tuple[tuple[float, float], int]:
+        """From fractions of the data range to positions in the table: scale and offset, and its entries."""
+        data_range = transfer_function.table_range(self.volume.range)
+        return self._lookup(data_range), self._entries(data_range)
+
+    def _lookup(self, data_range: tuple[float, float]) -> tuple[float, float]:
+        (low, high), (first, last) = self.volume.range, data_range
+        span = last - first if last > first else 1.0
+        return (high - low) / span, (low - first) / span
+
+    def _preintegration_range(self, transfer_function: TransferFunction) -> tuple[float, float]:
+        """The whole range, so that segments that leave the table stay exact, unless outliers would waste it."""
+        (low, high), (first, last) = self.volume.range, transfer_function.table_range(self.volume.range)
+        return (first, last) if high - low > 8 * (last - first) else (low, high)
 
     # ------------------------------------------------------------------ empty space
 
@@ -158,16 +175,18 @@ class VolumeResources:
         """Empty-space field for what the transfer function shows."""
 
         def make() -> Any:
-            table = self._baked(transfer_function)
-            opacity = table[:, 3].copy()
-            opacity[: int(np.floor(threshold * (len(opacity) - 1)))] = 0.0
-            bricks = bricks_of(self.volume)
-            return self._distance_texture(
-                occupancy(bricks.low, bricks.high, visible_prefix(opacity), self.volume.range)
-            )
+            return self._distance_texture(self.occupied(transfer_function, threshold))
 
         slot = f"visible, {max(self.texels.factor)} voxels a texel"
         return self._cached(self._distances, slot, (transfer_function, threshold), make)
+
+    def occupied(self, transfer_function: TransferFunction, threshold: float) -> npt.NDArray[np.bool_]:
+        """Which bricks may hold anything visible, shape (b_z, b_y, b_x)."""
+        data_range = transfer_function.table_range(self.volume.range)
+        opacity = self._baked(transfer_function)[:, 3].copy()
+        opacity[: max(self._below(threshold, data_range, len(opacity)) - 1, 0)] = 0.0
+        bricks = bricks_of(self.volume)
+        return occupancy(bricks.low, bricks.high, visible_prefix(opacity), data_range)
 
     def isovalue_distance(self, isovalues: Sequence[float]) -> Any:
         """Empty-space field for surfaces of these isovalues (data units)."""
@@ -215,7 +234,14 @@ class VolumeResources:
             program.use_texture(
                 "t_preintegrated", self.preintegrated(frame.transfer_function, size, _threshold(frame))
             )
-            program.set({"u_preintegrated_map": ((size - 1) / size, 0.5 / size)})
+            program.set(
+                {
+                    "u_preintegrated_map": ((size - 1) / size, 0.5 / size),
+                    "u_preintegrated_range": self._lookup(
+                        self._preintegration_range(frame.transfer_function)
+                    ),
+                }
+            )
         if "t_distance" in units:
             program.use_texture(
                 "t_distance", self.visible_distance(frame.transfer_function, _threshold(frame))

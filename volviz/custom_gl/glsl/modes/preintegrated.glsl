@@ -4,14 +4,16 @@
 #define MODE_SEGMENTS 1
 
 uniform sampler2D t_preintegrated;   // colour times opacity, opacity per unit distance; x = back, y = front
-uniform vec2 u_preintegrated_map;
+uniform vec2 u_preintegrated_map;    // texture coordinate = position in the table * x + y
+uniform vec2 u_preintegrated_range;  // position in the table = fraction of the data range * x + y
 
 vec4 g_sum;
 
 void mode_begin(float total) { g_sum = vec4(0.0); }
 
 bool mode_add(float front, float back, vec3 p, float length_of_segment, bool whole) {
-    vec4 c = textureLod(t_preintegrated, vec2(back, front) * u_preintegrated_map.x + u_preintegrated_map.y, 0.0);
+    vec2 position = clamp(vec2(back, front) * u_preintegrated_range.x + u_preintegrated_range.y, 0.0, 1.0);
+    vec4 c = textureLod(t_preintegrated, position * u_preintegrated_map.x + u_preintegrated_map.y, 0.0);
     c.rgb /= max(c.a, 1e-20);
 #if SHADING || GRADIENT_OPACITY
     if (c.a > 0.0) {

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
+from volviz.custom_gl.gpu.scalars import BRICK
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.half_angle.light_path import Array
-from volviz.kernels.bricks import grow_occupancy, occupancy, visible_prefix
+from volviz.kernels.bricks import grow_occupancy
 from volviz.kernels.slices import crop_corners, slice_polygons
 from volviz.model.volume import Volume
 
@@ -58,11 +58,7 @@ class VisiblePart:
 
 
 def _find(frame: Frame, threshold: float) -> Visible | None:
-    volume = frame.volume
-    opacity = frame.transfer_function.bake(volume.range, frame.resources.table_entries)[:, 3].copy()
-    opacity[: int(np.floor(threshold * (len(opacity) - 1)))] = 0.0
-    bricks = bricks_of(volume)
-    occupied = occupancy(bricks.low, bricks.high, visible_prefix(opacity), volume.range)
+    occupied = frame.resources.occupied(frame.transfer_function, threshold)
     if not occupied.any():
         return None
     limits: list[float] = []
