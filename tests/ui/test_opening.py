@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from tests.ui.conftest import foreground, is_complete, save_ball
 from volviz_ui.main_window import MainWindow
+from volviz_ui.panels.technique_box import choose_technique
 
 Wait = Callable[..., None]
 
@@ -119,6 +120,25 @@ def test_undo_to_a_file_that_is_gone_keeps_what_is_shown(
     error_boxes(window)[0].close()
     assert window.documents.volume is shown
     assert window.store.scene.layers == scene.layers
+
+
+def test_coming_back_from_a_file_that_never_arrived_shows_the_present_technique(
+    window: MainWindow, other_file: str, wait_for: Wait
+) -> None:
+    window.open(other_file)
+    wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
+    choose_technique(window.store, "slicing")
+    window.documents.cache.clear()
+    window.actions_.undo.trigger()
+    window.actions_.undo.trigger()
+    assert window.documents.is_loading
+    window.actions_.redo.trigger()
+    assert not window.documents.is_loading
+    assert window.store.scene.view.technique == "raycast"
+    assert window.display.handle.technique.id == "raycast"
+    assert window.documents.volume.dimensions == (24, 24, 24)
+    wait_for(lambda: is_complete(window))
+    assert window.display.handle.error is None
 
 
 def test_the_newest_wish_wins(bare_window: MainWindow, tmp_path: Path, wait_for: Wait) -> None:

@@ -8,13 +8,13 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from PySide6.QtWidgets import QApplication
 
+from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.light import default_position
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
 from volviz_ui.camera_moves import light_moved, light_turned
 from volviz_ui.documents import Documents
-from volviz_ui.framing import framing_camera
 from volviz_ui.pacer import Pacer
 from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.viewport import Viewport
@@ -175,7 +175,9 @@ class Display(QObject):
     def _frame_scene(self, volume: Volume, scene: Scene) -> None:
         camera = scene.view.camera
         if camera is None and scene.layer is not None:
-            camera = framing_camera(volume, scene.layer.transfer_function, self._viewport.pixel_size)
+            camera = default_camera(
+                volume, self._viewport.pixel_size, transfer_function=scene.layer.transfer_function
+            )
             self._commit(camera)
         if camera is not None:
             self._viewport.show_camera(camera)
@@ -192,6 +194,7 @@ class Display(QObject):
             changes["settings"] = current_settings(new)
             self._viewport.light_is_movable = "light" in current_technique(new).handles
         elif current_settings(old) != current_settings(new):
+            changes["technique"] = current_technique(new).id
             changes["settings"] = current_settings(new)
         if old.layer is not None and new.layer is not None:
             function = new.layer.transfer_function

@@ -10,6 +10,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
+from volviz.custom_gl.gpu.scalars import bricks_of
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.scene import Layer, Scene, Store, VolumeRef
 from volviz.model.transfer_function import TransferFunction
@@ -182,6 +183,9 @@ class Documents(QObject):
             if self._awaited is not None:
                 self._workers.cancel("load")
                 self._end()
+            if old.layer is None or old.layer.volume != new.layers[0].volume:
+                # back from a volume that never arrived: nothing of the scenes in between was shown
+                self.volume_changed.emit(self._volume)
         elif new.layer is None or old.layer is None or new.layer.volume != self._awaited:
             self._show_if_there(new)
 
@@ -216,6 +220,7 @@ def open_volume(ref: VolumeRef, task: Task, scene: Scene | None = None) -> Opene
     volume = load(ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints))
     # lazily computed and needed by every panel: done here, not in the window
     auto_isovalue(volume)
+    bricks_of(volume)
     if scene is not None and scene.layer is not None:
         return Opened(ref, volume, scene.layer.transfer_function, scene=scene)
     preset_id = suggested_preset(ref)

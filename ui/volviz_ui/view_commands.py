@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 
 from volviz.errors import SettingError
+from volviz.framing import default_camera
 from volviz.model.parameters import Parameter
 from volviz_ui.camera_moves import axis_camera
-from volviz_ui.framing import framing_camera
 from volviz_ui.panels.technique import change_setting, reset_settings
 from volviz_ui.panels.technique_box import current_settings, current_technique
 
@@ -32,7 +32,9 @@ class ViewCommands(QObject):
         """See all that is visible, a little from the side, as at first."""
         volume, layer = self._window.documents.volume, self._window.store.scene.layer
         if volume is not None and layer is not None:
-            camera = framing_camera(volume, layer.transfer_function, self._window.viewport.pixel_size)
+            camera = default_camera(
+                volume, self._window.viewport.pixel_size, transfer_function=layer.transfer_function
+            )
             self._window.display.show_camera(self._with_projection(camera))
 
     def show_axis_view(self, letter: str) -> None:
