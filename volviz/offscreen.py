@@ -69,6 +69,10 @@ def render(
     VolvizError
         Unusable arguments, or no usable OpenGL.
     """
+    if not isinstance(volume, Volume):
+        raise InputError(
+            f"render draws a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume."
+        )
     if dtype not in ("uint8", "float32"):
         raise InputError(f'dtype of a picture is "uint8" or "float32", got {dtype!r}.')
     width, height = _checked_size(size)
@@ -124,7 +128,9 @@ def _draw(
     from volviz.custom_gl.host import add_volume
     from volviz.custom_gl.host.vtk_border import pyvista
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
+    plotter = pyvista.Plotter(
+        off_screen=True, window_size=list(size), notebook=False, theme=pyvista.themes.Theme()
+    )
     handle: VolumeHandle | None = None
     try:
         window = plotter.render_window

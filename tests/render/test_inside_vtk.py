@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import camera, function, volume
+from tests.render.scenes import POINTS, camera, function, volume
+from volviz.custom_gl.host import handles_of
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.host.window_gpu import KEEP_MULTISAMPLING
 from volviz.errors import RenderError, VolvizError
@@ -257,6 +258,51 @@ def test_a_window_that_is_closed_first_is_no_trouble() -> None:
         shot(window)
     handle.remove()
     handle.remove()
+
+
+def test_closing_a_plotter_lets_go_of_its_volumes() -> None:
+    of = volume()
+    with plotter() as window:
+        handle = volviz.add_volume(window, of, transfer_function=function(of))
+        place(window, of)
+        shot(window)
+        renderer = window.renderer
+        assert list(handles_of(renderer)) == [handle]
+    assert not handles_of(renderer)
+
+
+def test_two_volumes_in_one_window_refine_in_turn_without_mixing() -> None:
+    of = volume()
+    with plotter(shape=(1, 2)) as window:
+        handles = []
+        for column, azimuth in enumerate((10.0, 80.0)):
+            window.subplot(0, column)
+            handles.append(volviz.add_volume(window, of, transfer_function=function(of)))
+            apply_camera(window.camera, camera(of, azimuth))
+            window.reset_camera_clipping_range()
+        shot(window)
+        alone = [handle.read_picture() for handle in handles]
+        for handle in handles:
+            handle.update()
+        ready = [False, False]
+        while not all(ready):
+            ready = [handle.refine(budget=0.0) for handle in handles]
+        in_turn = [handle.read_picture() for handle in handles]
+        for handle in handles:
+            handle.remove()
+    for a, b in zip(alone, in_turn, strict=True):
+        assert np.abs(a - b).max() <= 1 / 255
+
+
+def test_a_relative_function_follows_the_volume() -> None:
+    of = volume(np.float32)
+    larger = volviz.Volume(of.array * 1000)
+    relative = volviz.TransferFunction.from_points(POINTS, domain="relative")
+    with plotter() as window:
+        handle = volviz.add_volume(window, of, transfer_function=relative)
+        handle.update(volume=larger)
+        assert handle.transfer_function.points[-1].value == pytest.approx(larger.range[1])
+        handle.remove()
 
 
 def test_a_tiled_export_is_the_large_picture() -> None:

@@ -11,6 +11,7 @@ import volviz
 from tests.render.scenes import (
     LEFT_HANDED,
     OBLIQUE,
+    blobs,
     camera,
     function,
     inside,
@@ -214,3 +215,38 @@ def test_preintegration_survives_a_huge_outlier() -> None:
     plain = picture(of, function(of), view, preintegrated=True)
     with_outlier = picture(volviz.Volume(spoiled), function(of), view, preintegrated=True)
     assert (np.abs(plain - with_outlier).max(axis=-1) > 2 / 255).mean() < 0.02
+
+
+@pytest.mark.parametrize(
+    "values", [{"step": 2.0}, {"step": 4.0, "jitter": True}, {"step": 2.0, "first_sample": 0.0}]
+)
+def test_skipping_loses_no_segment_of_a_thin_slab_with_preintegration(values: dict[str, Any]) -> None:
+    data = np.zeros((64, 64, 64), np.uint8)
+    data[33:35] = 200
+    of = volviz.Volume(data)
+    slab = [(0, (1, 1, 1, 0.0)), (60, (1, 1, 1, 0.0)), (200, (1, 0.6, 0.2, 0.7))]
+    veil = [(0, (1, 1, 1, 1e-6)), *slab[1:]]
+    view = camera(of)
+    skipping, marching = (
+        picture(of, volviz.TransferFunction.from_points(points), view, preintegrated=True, **values)
+        for points in (slab, veil)
+    )
+    assert marching[..., 3].max() > 0.3
+    assert np.abs(skipping - marching).max() <= 1 / 255
+
+
+@pytest.mark.parametrize("technique", ["raycast", "slicing", "two_pass_raycast"])
+@pytest.mark.parametrize("dtype", [np.float64, np.int64])
+def test_a_large_offset_of_the_values_changes_nothing(technique: str, dtype: Any) -> None:
+    plain = volviz.Volume((blobs() // 8).astype(dtype))
+    offset = volviz.Volume(plain.array + dtype(10**9))
+    pictures = [
+        picture(of, function(of), camera(of), technique_id=technique, step=1.0) for of in (plain, offset)
+    ]
+    assert np.abs(pictures[0] - pictures[1]).max() <= 2 / 255
+
+
+def test_slices_far_from_the_origin_are_those_near_it() -> None:
+    near, far = volume(), volume(origin=(1e6, -1e6, 1e6))
+    pictures = [picture(of, function(of), camera(of), technique_id="slicing", step=1.0) for of in (near, far)]
+    assert np.abs(pictures[0] - pictures[1]).max() <= 3 / 255

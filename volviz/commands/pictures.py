@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from volviz.model.volume import Volume
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
+MAX_SIZE = 16384
 #: These hold no transparency.
 OPAQUE_SUFFIXES = (".jpg", ".jpeg", ".bmp")
 
@@ -110,7 +111,7 @@ def draw(
     begin = time.perf_counter()
     picture = render(
         volume, info.id, transfer_function=function, size=size, camera=camera,
-        background=None if transparent else ("black" if options.background == "none" else options.background),
+        background=None if transparent else ("black" if options.background.lower() == "none" else options.background),
         dtype="float32" if output.suffix.lower() == ".npy" else "uint8",
         classic=options.classic, **values,
     )  # fmt: skip
@@ -125,6 +126,8 @@ def parse_size(text: str) -> tuple[int, int]:
         width, height = (int(part) for part in text.lower().replace(",", "x").split("x"))
     except ValueError:
         raise InputError(f"--size takes width and height such as 1200x900, got {text!r}.") from None
+    if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
+        raise InputError(f"--size must lie between 1 and {MAX_SIZE} pixels each way, got {text}.")
     return width, height
 
 
@@ -188,7 +191,8 @@ def save_picture(picture: Any, output: Path) -> None:
         if output.suffix.lower() == ".npy":
             import numpy as np
 
-            np.save(output, picture)
+            with output.open("wb") as file:
+                np.save(file, picture)
             return
         from PIL import Image
 

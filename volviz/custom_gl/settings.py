@@ -187,7 +187,7 @@ class SamplingSettings:
         False,
         "Jitter",
         "Shifts the samples of each ray by a fixed pseudo-random fraction of a step: wood-grain patterns become "
-        "fine noise, which vanishes while the window refines.",
+        "fine noise.",
         group="Sampling",
     )
     early_termination: float = parameter(

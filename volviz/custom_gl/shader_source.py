@@ -21,7 +21,7 @@ VERSION = "#version 330 core"
 _INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)\s*$')
 _NAME = re.compile(r"^[A-Z][A-Z0-9_]*$")
 # Mesa "0:12(3): error: ...", NVIDIA "0(12) : error C0000: ...", Apple/AMD "ERROR: 0:12: ..."
-_LOG = re.compile(r"^(?:ERROR:\s*)?(\d+)(?::(\d+)|\((\d+)\))[^\n]*?(?:error|ERROR|:)[^\n]*$", re.MULTILINE)
+_LOG = re.compile(r"^(?:ERROR:\s*)?(\d+)(?::(\d+)|\((\d+)\))(?![^\n]*warning)[^\n]*:[^\n]*$", re.MULTILINE)
 
 
 @dataclass(frozen=True)

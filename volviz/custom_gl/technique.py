@@ -178,7 +178,6 @@ class Frame:
     interactive: bool
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
-    _applied: set[Program] = field(default_factory=set)
 
     @property
     def box_corners(self) -> Matrix:
@@ -228,9 +227,9 @@ class Frame:
     def apply(self, program: Program) -> None:
         """Set every shared uniform that the program has and bind the shared textures to their units."""
         # uniforms stay with the program, bindings do not survive what VTK draws between two chunks
-        if program not in self._applied:
+        if program.owner is not self:
             program.set(self.uniforms)
-            self._applied.add(program)
+            program.owner = self
         self.resources.bind(program, self)
 
 

@@ -46,6 +46,11 @@ class Camera:
             raise InputError(f"view_angle must lie between 1 and 170 degrees, got {self.view_angle:g}.")
         if self.position == self.focal_point:
             raise InputError("camera position and focal point are the same point; move one of them.")
+        across = np.cross(np.subtract(self.focal_point, self.position), self.view_up)
+        if not np.linalg.norm(across) > 1e-9 * self.distance * np.linalg.norm(self.view_up):
+            raise InputError("view_up lies along the view or is zero; give a direction across it.")
+        if self.parallel_scale is not None and not self.parallel_scale > 0:
+            raise InputError(f"parallel_scale must be greater than 0, got {self.parallel_scale!r}.")
 
     @property
     def direction(self) -> Vector:

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
+from numbers import Real
 from typing import Any, Literal, TypeVar, cast
 
-from volviz.errors import SettingError
+from volviz.errors import InputError, SettingError
 
 Kind = Literal[
     "float", "int", "bool", "choice", "color", "vector", "crop", "planes", "floats", "colors", "path"
@@ -97,7 +99,7 @@ class Parameter:
         try:
             return getattr(self, f"_check_{self.kind}")(value)
         except (TypeError, ValueError, OverflowError) as error:
-            if isinstance(error, SettingError):
+            if isinstance(error, InputError):
                 raise
             raise SettingError(f"{self.name} must be {self._expected()}, got {value!r}.") from None
 
@@ -108,6 +110,8 @@ class Parameter:
             return None
         if self.kind in ("choice", "path"):
             return self.checked(text)
+        if self.kind == "color" and re.fullmatch("#[0-9a-fA-F]{6}", text):
+            return self.checked([int(text[i : i + 2], 16) / 255 for i in (1, 3, 5)])
         if self.kind == "bool":
             words = {"true": True, "yes": True, "on": True, "1": True}
             words |= {"false": False, "no": False, "off": False, "0": False}
@@ -126,8 +130,6 @@ class Parameter:
             return self.checked([(row[:3], row[3:]) for row in numbers])
         if self.kind == "colors":
             return self.checked(numbers)
-        if self.kind == "color" and text.startswith("#"):
-            return self.checked(text)
         return self.checked(numbers[0])
 
     # ------------------------------------------------------------------ one check per kind
@@ -184,7 +186,7 @@ class Parameter:
         return checked_planes(value)
 
     def _check_floats(self, value: Any) -> tuple[float, ...]:
-        numbers = (value,) if isinstance(value, (int, float)) else tuple(value)
+        numbers = (value,) if isinstance(value, Real) else tuple(value)
         return tuple(float(self._limited(float(v))) for v in numbers)
 
     def _check_colors(self, value: Any) -> tuple[tuple[float, ...], ...]:

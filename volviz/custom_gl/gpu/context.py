@@ -74,7 +74,12 @@ class Gpu:
     @property
     def max_texture_bytes(self) -> int:
         """Largest size of one volume texture in bytes (``VOLVIZ_TEXTURE_MB`` overrides it)."""
-        return int(os.environ.get("VOLVIZ_TEXTURE_MB", "2048")) * 2**20
+        text = os.environ.get("VOLVIZ_TEXTURE_MB", "2048")
+        if not text.isdigit() or int(text) < 1:
+            raise RenderError(
+                f"VOLVIZ_TEXTURE_MB must be a whole number of megabytes, at least 1, got {text!r}."
+            )
+        return int(text) * 2**20
 
     @cached_property
     def filters_bytes_precisely(self) -> bool:

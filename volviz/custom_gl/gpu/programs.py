@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,8 @@ class Program:
         except Exception as error:  # noqa: BLE001 - moderngl raises plain ones
             raise _shader_error(str(error), vertex, fragment, label) from None
         self.label = label
+        #: Whoever has set the uniforms last; programs are shared by everything in a window.
+        self.owner: object = None
         self._members = {name: self.gl[name] for name in self.gl}
         free = FIRST_FREE_UNIT
         self.units: dict[str, int] = {}
@@ -121,6 +124,6 @@ def _shader_error(log: str, vertex: ShaderText, fragment: ShaderText, label: str
     text = vertex if "vertex_shader" in log else fragment
     path, line = text.locate(log)
     reason = next((row for row in log.splitlines() if "error" in row.lower() and ":" in row), log.strip())
-    reason = reason.split("error:", 1)[-1].strip() or "the driver gave no reason"
+    reason = re.split(r"error(?: C\d+)?:", reason, maxsplit=1)[-1].strip() or "the driver gave no reason"
     where = f"{path.name}, line {line}" if path is not None else label
     return ShaderError(f"{where}: {reason}", file=path.name if path else label, line=line, log=log)

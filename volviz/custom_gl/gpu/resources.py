@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.scalars import BRICK, Texels, bricks_of, choose_format, levels_of, texels_of
+from volviz.errors import RenderError
 from volviz.kernels.bricks import (
     chessboard_distance,
     grow_occupancy,
@@ -58,6 +60,12 @@ class VolumeResources:
         z, y, x = texels.data.shape
         dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
         texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
+        if self.gpu.gl.error == "GL_OUT_OF_MEMORY":
+            texture.release()
+            raise RenderError(
+                f"{self.volume.name}: the graphics memory has no room for {texels.data.nbytes / 2**20:.0f} MB; set "
+                "VOLVIZ_TEXTURE_MB to less, and the volume is drawn coarser."
+            )
         texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         texture.repeat_x = texture.repeat_y = texture.repeat_z = False
         return texture
@@ -171,14 +179,15 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ empty space
 
-    def visible_distance(self, transfer_function: TransferFunction, threshold: float) -> Any:
+    def visible_distance(self, transfer_function: TransferFunction, threshold: float, margin: int = 0) -> Any:
         """Empty-space field for what the transfer function shows."""
 
         def make() -> Any:
-            return self._distance_texture(self.occupied(transfer_function, threshold))
+            occupied = self.occupied(transfer_function, threshold)
+            return self._distance_texture(grow_occupancy(occupied, margin) if margin else occupied)
 
         slot = f"visible, {max(self.texels.factor)} voxels a texel"
-        return self._cached(self._distances, slot, (transfer_function, threshold), make)
+        return self._cached(self._distances, slot, (transfer_function, threshold, margin), make)
 
     def occupied(self, transfer_function: TransferFunction, threshold: float) -> npt.NDArray[np.bool_]:
         """Which bricks may hold anything visible, shape (b_z, b_y, b_x)."""
@@ -243,9 +252,8 @@ class VolumeResources:
                 }
             )
         if "t_distance" in units:
-            program.use_texture(
-                "t_distance", self.visible_distance(frame.transfer_function, _threshold(frame))
-            )
+            field = self.visible_distance(frame.transfer_function, _threshold(frame), _margin(frame))
+            program.use_texture("t_distance", field)
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
@@ -277,6 +285,13 @@ class VolumeResources:
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def _margin(frame: Frame) -> int:
+    """Bricks that empty space must keep away from what is visible: pre-integration looks at both ends of a step."""
+    if not getattr(frame.settings, "preintegrated", False):
+        return 0
+    return math.ceil((frame.step_world / min(frame.volume.spacing) + 1.0) / BRICK)
 
 
 def _threshold(frame: Frame) -> float:

@@ -87,6 +87,10 @@ def bricks_of(volume: Volume) -> Bricks:
         known = _bricks.get(volume)
     if known is None:
         low, high = brick_min_max(volume.array, BRICK, lowest=volume.range[0])
+        if volume.array.dtype.itemsize > 2 and volume.array.dtype != np.float32:
+            # float32 cannot hold every value of these types: rounded outwards, the bounds still hold
+            low = np.nextafter(low, np.float32(-np.inf))
+            high = np.nextafter(high, np.float32(np.inf))
         known = Bricks(low, high)
         with _lock:
             _bricks[volume] = known
@@ -226,58 +230,45 @@ def reduction(shape: tuple[int, ...], kind: Format, max_edge: int, max_bytes: in
 def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> Texels:
     low, high = volume.range
     span = high - low if high > low else 1.0
-    array = volume.array
+    array, lowest = volume.array, low
     if factor != (1, 1, 1):
-        array = _block_means(array, factor, low)
+        array, lowest = _block_means(array, factor, low), 0.0
     out = np.empty(array.shape, {"u1": np.uint8, "u2": np.uint16, "f4": np.float32}[kind])
-    if kind == "f4":
-        scale, offset = 1.0, 0.0
-    elif kind == "u1":
-        scale, offset = 255.0 / span, -low / span
-    else:
-        scale, offset = 65535.0 / span, 0.0
-        if array.dtype == np.uint8:
-            # 257 spreads bytes over all of 0..65535 without rounding
-            scale, offset = 255.0 / span, -low / span
+    # bytes are spread over all of 0..65535 by 257, without rounding
+    spread = 257 if kind == "u2" and volume.array.dtype == np.uint8 else 1
+    scale = {"u1": 255.0, "u2": 65535.0 / spread, "f4": 1.0}[kind] / (1.0 if kind == "f4" else span)
+    # the lowest value becomes 0 exactly: below it nothing may be lost to rounding
+    wide = array.dtype.itemsize > 4 or (array.dtype.kind in "iu" and array.dtype.itemsize == 4)
 
     def fill(start: int, stop: int) -> None:
         for z in range(start, stop):
-            plane = array[z]
-            if kind == "u1":
-                out[z] = plane
-            elif kind == "u2":
-                if array.dtype == np.uint8:
-                    np.multiply(plane, np.uint16(257), out=out[z], dtype=np.uint16, casting="unsafe")
-                elif array.dtype.kind in "iu":
-                    out[z] = (plane.astype(np.int64) - int(low)).astype(np.uint16)
-                else:
-                    out[z] = np.clip(np.rint(plane - low), 0, 65535).astype(np.uint16)
+            above = np.subtract(array[z], lowest, dtype=np.float64 if wide else np.float32)
+            if kind == "f4":
+                above *= 1.0 / span
+                if array.dtype.kind == "f":
+                    above[~np.isfinite(array[z])] = 0.0
+                out[z] = above
             else:
-                fraction = np.subtract(
-                    plane, low, dtype=np.float64 if plane.dtype.itemsize > 4 else np.float32
-                )
-                fraction *= 1.0 / span
-                if plane.dtype.kind == "f":
-                    fraction[~np.isfinite(plane)] = 0.0
-                out[z] = fraction
+                out[z] = np.rint(above * spread)
 
     map_ranges(fill, len(out))
-    return Texels(out, scale, offset, factor)
+    return Texels(out, scale, 0.0, factor)
 
 
 def _block_means(
     array: npt.NDArray[Any], factor: tuple[int, int, int], lowest: float
 ) -> npt.NDArray[np.float32]:
-    """Means over blocks of voxels; a last, partial block is filled by repeating the edge."""
+    """Means over blocks of voxels, above `lowest`; a last, partial block is filled by repeating the edge."""
     fx, fy, fz = factor
     z, y, x = array.shape
     shape = (-(-z // fz), -(-y // fy), -(-x // fx))
     out = np.empty(shape, np.float32)
     pad = ((0, 0), (0, shape[1] * fy - y), (0, shape[2] * fx - x))
     for k in range(shape[0]):
-        block = array[np.minimum(np.arange(k * fz, (k + 1) * fz), z - 1)].astype(np.float32)
+        block = array[np.minimum(np.arange(k * fz, (k + 1) * fz), z - 1)].astype(np.float64)
         if array.dtype.kind == "f":
             block[~np.isfinite(block)] = lowest
+        block -= lowest
         block = np.pad(block, pad, mode="edge")
         out[k] = block.reshape(fz, shape[1], fy, shape[2], fx).mean(axis=(0, 2, 4))
     return out

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from volviz.custom_gl.host.handle import VolumeHandle
+from volviz.custom_gl.host.handle import VolumeHandle, handles_of
 from volviz.custom_gl.host.pacing import Pacer
+from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.settings import SharedSettings
 from volviz.custom_gl.technique import TechniqueInfo
@@ -30,8 +31,10 @@ def split_values(
     own = {name: value for name, value in values.items() if name not in shared}
     given = {name: shared[name].checked(value) for name, value in values.items() if name in shared}
     changes: dict[str, Any] = {}
+    if "light_position" in given:
+        changes["position"] = given["light_position"]
     if given.get("light_position") is not None:
-        changes = {"position": given["light_position"], "headlight": False}
+        changes["headlight"] = False
     if "headlight" in given:
         changes["headlight"] = given["headlight"]
     if "light_color" in given:
@@ -122,4 +125,25 @@ def add_volume(
         raise InputError(f"give either settings or single values ({', '.join(own)}), not both.")
     if transfer_function is None:
         transfer_function = TransferFunction.auto(volume)
+    release_on_close(plotter)
     return VolumeHandle(plotter, volume, info, transfer_function, settings, new_light, new_clipping, pacer)
+
+
+def release_on_close(plotter: Any) -> None:
+    """Let `Plotter.close` take the volumes away first, while the OpenGL context still lives.
+
+    A window of Qt is closed by its own rules: the desktop program removes its volumes itself.
+    """
+    if not isinstance(plotter, pyvista.Plotter) or "close" in vars(plotter):
+        return
+    close = plotter.close
+    renderers = list(plotter.renderers)
+
+    def close_with_volumes(*args: Any, **keywords: Any) -> Any:
+        for renderer in renderers:
+            for handle in list(handles_of(renderer)):
+                handle.remove()
+        vars(plotter).pop("close", None)
+        return close(*args, **keywords)
+
+    vars(plotter)["close"] = close_with_volumes

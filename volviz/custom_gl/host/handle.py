@@ -32,6 +32,8 @@ from volviz.model.volume import Volume
 #: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that
 #: all of its threads have work, and short enough to be interrupted.
 TILE = (256, 64)
+#: Targets of different sizes that are kept: full, and some levels of interaction.
+TARGETS_KEPT = 3
 #: Pictures that are not interrupted are drawn in one piece.
 AT_ONCE_TILE = (16384, 16384)
 #: A full picture that is expected to take less than this is drawn at once instead of refined.
@@ -95,6 +97,7 @@ class VolumeHandle:
         self.pacer = pacer
         self._volume = volume
         self._info = info
+        self._given_function = transfer_function
         self._transfer_function = transfer_function.resolved(volume.range)
         self._settings = settings
         self._light = light
@@ -108,6 +111,7 @@ class VolumeHandle:
         self._interacting = 0
         self._cost = CostModel()
         self._depth = SceneDepth()
+        self._targets: dict[Target, str] = {}
         self._depth_key: Any = None
         self._removed = False
         self._hook = Hook(self.renderer, self._on_hook)
@@ -188,6 +192,10 @@ class VolumeHandle:
         if info.kind != "image":
             raise InputError(f"{info.id} shows props of VTK; it needs a handle of its own.")
         new_light, new_clipping = light or self._light, clipping or self._clipping
+        if values and settings is not None:
+            raise InputError(f"give either settings or single values ({', '.join(values)}), not both.")
+        if settings is not None and not isinstance(settings, info.settings):
+            raise InputError(f"{info.id} takes {info.settings.__name__}, got {type(settings).__name__}.")
         if values:
             new_light, new_clipping, own = split_values(values, new_light, new_clipping)
         else:
@@ -209,8 +217,8 @@ class VolumeHandle:
         if new_volume is not self._volume:
             self._volume = new_volume
         if transfer_function is not None:
-            self._transfer_function = transfer_function
-        self._transfer_function = self._transfer_function.resolved(new_volume.range)
+            self._given_function = transfer_function
+        self._transfer_function = self._given_function.resolved(new_volume.range)
         self._settings, self._light, self._clipping = settings, new_light, new_clipping
         if quality is not None:
             self.quality = quality
@@ -511,7 +519,7 @@ class VolumeHandle:
         gpu = self._gpu.gpu
         frame = Frame(
             gpu=gpu,
-            target=gpu.targets.get(f"{purpose} {id(self)}", size),
+            target=self._target(purpose, size),
             size=size,
             window_size=(width, height),
             volume=self._volume,
@@ -538,6 +546,19 @@ class VolumeHandle:
         frame.uniforms = shared_uniforms(frame)
         return frame
 
+    def _target(self, purpose: str, size: tuple[int, int]) -> Target:
+        """A target to draw into; the one that holds the picture now shown is left alone until the next is done."""
+        name = f"{purpose} {size[0]} x {size[1]} of {id(self)}"
+        target = self._gpu.gpu.targets.get(name, size)
+        # the one used last stands last
+        self._targets.pop(target, None)
+        self._targets[target] = name
+        shown = self._picture.target if self._picture is not None else None
+        for old in list(self._targets)[:-TARGETS_KEPT]:
+            if old is not shown:
+                self._gpu.gpu.targets.drop(self._targets.pop(old))
+        return target
+
     def _level_of_detail(self, frame: Frame) -> int:
         """Level of the scalars that fits the size of a pixel.
 
@@ -547,6 +568,9 @@ class VolumeHandle:
         """
         moving = frame.interactive and frame.gpu.limits.software
         if not moving and not getattr(frame.settings, "mipmaps", False):
+            return 0
+        if getattr(frame.settings, "interpolation", "linear") == "nearest":
+            # labels must not be averaged
             return 0
         voxels = pixel_size(frame) / frame.volume.mean_spacing
         level = math.floor(math.log2(max(voxels, 1e-9)) + (0.0 if moving else 0.5))
@@ -615,8 +639,9 @@ class VolumeHandle:
         if self._resources is not None:
             self._gpu.drop(self._resources)
             self._resources = None
-        for purpose in ("full", "interactive"):
-            self._gpu.gpu.targets.drop(f"{purpose} {id(self)}")
+        for name in self._targets.values():
+            self._gpu.gpu.targets.drop(name)
+        self._targets.clear()
         self._depth.release(self.window)
 
 

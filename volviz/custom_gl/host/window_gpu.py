@@ -74,8 +74,8 @@ class WindowGpu:
         The context must be current.
         """
         state = self.window.GetState()
-        state.Push()
         gpu = self.gpu
+        state.Push()
         # an error that VTK or Qt left behind must not be taken for ours
         _ = gpu.gl.error
         try:

@@ -50,12 +50,14 @@ class SlicePolygons:
         if frame.interactive:
             count = max(round(count / frame.step_scale), MIN_SLICES) if frame.settings.slices else count
         position = frame.settings.first_sample
-        key = (corners.tobytes(), direction.tobytes(), count, position)
+        to_texture = frame.uniforms["u_world_to_texture"]
+        key = (corners.tobytes(), direction.tobytes(), count, position, to_texture.tobytes())
         if key == self._key:
             return
         self.count, self.distance = count, (high - low) / count
         distances = low + (np.arange(count)[::-1] + position) * self.distance
         vertices, corners_per_slice = slice_polygons(corners, direction, distances)
+        vertices = vertices @ to_texture[:3, :3].T + to_texture[:3, 3]
         positions, self.first = fan_triangles(vertices, corners_per_slice)
         self._polygons = (vertices, corners_per_slice)
         self._write(frame, positions)

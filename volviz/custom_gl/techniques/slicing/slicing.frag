@@ -10,6 +10,8 @@ uniform vec3 u_view_direction;
 uniform float u_slice_distance;    // between slices, world units
 uniform bool u_perspective;
 uniform mat4 u_world_to_texture;
+uniform vec3 u_eye_texture;        // the eye in texture coordinates
+uniform mat3 u_texture_to_world_vector;
 uniform bool u_jitter;
 uniform float u_jitter_seed;
 uniform int u_plane_count;
@@ -19,7 +21,6 @@ uniform sampler2D t_scene_depth;
 #endif
 
 in vec3 v_texture;
-in vec3 v_world;
 out vec4 f_color;
 
 #include <blend>
@@ -27,7 +28,7 @@ out vec4 f_color;
 void main() {
     vec3 p = v_texture;
     // a slice that is seen at an angle stands for a longer piece of ray
-    vec3 along = u_perspective ? normalize(v_world - u_eye) : u_view_direction;
+    vec3 along = u_perspective ? normalize(u_texture_to_world_vector * (p - u_eye_texture)) : u_view_direction;
     float piece = u_slice_distance / max(dot(along, u_view_direction), 1e-3);
     if (u_jitter) {
         p += (u_world_to_texture * vec4(along * (piece * (pixel_noise(gl_FragCoord.xy, u_jitter_seed) - 0.5)), 0.0)).xyz;

@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import moderngl
+import numpy as np
+import numpy.typing as npt
 
 from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.gpu.targets import Target, TargetPool
@@ -124,8 +126,21 @@ class Slicing:
             _HERE / "slicing.frag",
             hooks={"blend": _HERE / "blends" / f"{blend}.glsl"},
         )
-        program.set({"u_slice_distance": self.polygons.distance, "u_perspective": not frame.camera.parallel})
+        program.set(
+            {
+                "u_slice_distance": self.polygons.distance,
+                "u_perspective": not frame.camera.parallel,
+                "u_eye_texture": tuple(self._eye(frame)),
+                "u_texture_to_world_vector": frame.uniforms["u_texture_to_world"][:3, :3],
+            }
+        )
         return program
+
+    @staticmethod
+    def _eye(frame: Frame) -> npt.NDArray[np.float64]:
+        """The eye in texture coordinates."""
+        to_texture = frame.uniforms["u_world_to_texture"]
+        return np.asarray(to_texture[:3, :3] @ frame.camera.eye + to_texture[:3, 3])
 
     # ------------------------------------------------------------------ the other chunks
 

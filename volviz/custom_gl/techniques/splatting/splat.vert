@@ -41,7 +41,7 @@ void main() {
     vec4 classified = classify(a_value);
     vec3 color = u_classic_color ? CLASSIC_COLOR : classified.rgb;
 #if SHADING
-    color = lit_color(color, a_normal, (u_index_to_world * vec4(a_index, 1.0)).xyz);
+    color = lit_color(color, 2.0 * u_flat_gradient * a_normal, (u_index_to_world * vec4(a_index, 1.0)).xyz);
 #endif
     float pixels = u_diameter * u_pixels_per_unit / clip.w;
     v_color = vec4(color, 1.0);
