@@ -27,6 +27,7 @@ from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
 from volviz_ui.file_commands import FileCommands
 from volviz_ui.isovalue_markers import IsovalueMarkers
 from volviz_ui.light_mark import LightMark
+from volviz_ui.memory import return_freed_memory
 from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
@@ -44,6 +45,7 @@ from volviz_ui.viewport import Viewport
 from volviz_ui.workers import Workers
 
 PICK_DELAY_MS = 25
+MEMORY_DELAY_MS = 2000
 LAYOUT_VERSION = 1
 SHOWN_AT_FIRST = {"box": False, "axes": False, "marker": True, "bar": False}
 
@@ -117,6 +119,10 @@ class MainWindow(QMainWindow):
         self._pick_timer.setInterval(PICK_DELAY_MS)
         self._pick_timer.timeout.connect(self._pick)
 
+        self._memory_timer = QTimer(self)
+        self._memory_timer.setSingleShot(True)
+        self._memory_timer.setInterval(MEMORY_DELAY_MS)
+        self._memory_timer.timeout.connect(return_freed_memory)
         self.autosave = None if autosave_folder is None else Autosave(self.store, autosave_folder, self)
         self._connect()
         self._restore()
@@ -230,6 +236,7 @@ class MainWindow(QMainWindow):
         self.isovalues.set_volume(volume)
         self.status_line.show_volume(volume)
         self._show_light(None)
+        self._memory_timer.start()
 
     # ------------------------------------------------------------------ showing
 
@@ -385,6 +392,7 @@ class MainWindow(QMainWindow):
         if not self.isFullScreen():
             self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
         self._pick_timer.stop()
+        self._memory_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
         self.transfer_editor.close_workers()
