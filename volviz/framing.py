@@ -54,12 +54,16 @@ def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.N
     bricks = bricks_of(volume)
     opacity = transfer_function.bake(volume.range)[:, 3]
     prefix = visible_prefix(np.where(opacity >= VISIBLE_OPACITY, opacity, 0.0))
-    z, y, x = np.nonzero(occupancy(bricks.low, bricks.high, prefix, volume.range))
-    if len(x) == 0:
+    occupied = occupancy(bricks.low, bricks.high, prefix, volume.range)
+    if not occupied.any():
         return volume.corners
-    low = np.stack([x, y, z], axis=1) * BRICK
-    corners = np.concatenate([low + BRICK * np.array([c & 1, c >> 1 & 1, c >> 2 & 1]) for c in range(8)])
-    index = np.unique(np.minimum(corners, np.array(volume.dimensions) - 1), axis=0)
+    touched = np.zeros([n + 1 for n in occupied.shape], bool)
+    nz, ny, nx = occupied.shape
+    for c in range(8):
+        i, j, k = c & 1, c >> 1 & 1, c >> 2 & 1
+        touched[k : k + nz, j : j + ny, i : i + nx] |= occupied
+    corners = np.argwhere(touched)[:, ::-1] * BRICK
+    index = np.minimum(corners, np.array(volume.dimensions) - 1)
     matrix = volume.index_to_world
     points: npt.NDArray[np.float64] = index @ matrix[:3, :3].T + matrix[:3, 3]
     return points
