@@ -30,7 +30,7 @@ SCENES: dict[str, tuple[str, str | None, dict[str, object]]] = {
     "half_angle": ("mri-brain", "mri", {}),
     "bump_mapping": ("mri-head", None, {}),
     "marching_cubes": ("ct-chest", None, {"isovalue": 180.0}),
-    "marching_tetrahedra": ("marschner-lobb", None, {}),
+    "marching_tetrahedra": ("engine", "engine", {"isovalue": 170.0}),
 }
 
 
@@ -64,10 +64,11 @@ def side_by_side(pictures: list[Image.Image], columns: int) -> Image.Image:
 
 
 def save(image: Image.Image, name: str) -> None:
-    """Write a picture with few bytes: 256 colours are enough on a page."""
+    """Write a picture with few bytes: 256 colours are enough for a small one."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     path = FOLDER / f"{name}.png"
-    image.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+    small = image.width * image.height < 600_000
+    (image.quantize(256, dither=Image.Dither.FLOYDSTEINBERG) if small else image).save(path, optimize=True)
     print(f"{path.name}: {image.width} x {image.height}, {path.stat().st_size // 1024} KB")
 
 
