@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
 import pyvista
 
 from tests import leaks
+
+pytestmark = pytest.mark.leaks_allowed("these tests look after their own leaks")
 
 
 def test_a_plotter_that_is_not_closed_is_found() -> None:

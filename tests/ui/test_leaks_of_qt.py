@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
 import shiboken6
 from PySide6.QtCore import QObject, Qt, QThread, QTimer
 from PySide6.QtWidgets import QApplication, QWidget
 
 from tests import leaks
+
+pytestmark = pytest.mark.leaks_allowed("these tests look after their own leaks")
 
 
 def test_contexts_are_shared(qapp: QApplication) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -214,3 +215,17 @@ def test_every_control_has_a_tooltip_and_a_name(window: MainWindow) -> None:
 def _parent_tooltip(widget: QWidget) -> str:
     parent = widget.parentWidget()
     return parent.toolTip() if parent is not None else ""
+
+
+def test_a_technique_about_light_starts_with_a_placed_light(window: MainWindow) -> None:
+    from volviz.model.light import Light
+    from volviz_ui.panels.technique_box import choose_technique
+
+    choose_technique(window.store, "half_angle")
+    assert window.store.scene.light == Light(headlight=False)
+    window.store.undo()
+    assert window.store.scene.light == Light()
+    touched = Light(color=(1.0, 0.5, 0.5))
+    window.store.update(lambda scene: replace(scene, light=touched))
+    choose_technique(window.store, "half_angle")
+    assert window.store.scene.light == touched

@@ -24,6 +24,7 @@ class StatusLine(QStatusBar):
         self.drawing = self._field(
             self.tr("Marching tetrahedra, full quality 000 %"), self.tr("Technique, and resolution now shown")
         )
+        self._drawing_tip = self.drawing.toolTip()
         self.time = self._field("0000 ms", self.tr("Time that drawing this picture took"))
         self.volume = self._field("", self.tr("Data set and its size in voxels"))
         for field in (self.pointer, self.drawing, self.time):
@@ -51,6 +52,11 @@ class StatusLine(QStatusBar):
             words = self.tr("full resolution")
         else:
             words = self.tr("%1 % of the resolution").replace("%1", f"{100 * status.resolution:.0f}")
+        notice = getattr(status, "notice", "")
+        if notice:
+            # the first clause; all of it is in the tooltip
+            words += "  \N{WARNING SIGN} " + notice.split(":")[0].rstrip(".")
+        self.drawing.setToolTip(notice or self._drawing_tip)
         self.drawing.setText(f"{self._technique}, {words}")
         seconds = status.seconds
         self.time.setText(f"{1000 * seconds:.0f} ms" if seconds < 10 else f"{seconds:.1f} s")

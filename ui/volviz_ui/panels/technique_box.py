@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
@@ -10,6 +11,7 @@ from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem,
 
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.model.light import Light
 from volviz.model.scene import Scene, Store
 from volviz_ui.binding import show_value
 from volviz_ui.editors.simple import CalmComboBox
@@ -86,9 +88,20 @@ def drawing_techniques() -> list[TechniqueInfo]:
 
 
 def choose_technique(store: Store, technique: str) -> None:
-    """Draw with another technique; a step of the history."""
-    label = techniques()[technique].label
-    store.update(lambda scene: scene.with_view(technique=technique), label=label)
+    """Draw with another technique; a step of the history.
+
+    A technique about light starts with a placed one, as long as nobody has touched the light: from the eye
+    itself no shadow can be seen.
+    """
+    info = techniques()[technique]
+
+    def chosen(scene: Scene) -> Scene:
+        changed = scene.with_view(technique=technique)
+        if "light" in info.handles and scene.light == Light():
+            changed = replace(changed, light=Light(headlight=False))
+        return changed
+
+    store.update(chosen, label=info.label)
 
 
 def current_technique(scene: Scene) -> TechniqueInfo:

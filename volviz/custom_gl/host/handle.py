@@ -585,9 +585,9 @@ class VolumeHandle:
         self._report(FrameStatus(self.status.resolution, 0.0, True, 1.0))
 
     def _report(self, status: FrameStatus) -> None:
-        self.status = status
+        self.status = replace(status, notice=self.notice)
         for listener in list(self.on_status):
-            listener(status)
+            listener(self.status)
 
     def read_picture(self) -> Any:
         """The finished full picture without VTK's: shape (H, W, 4), float32, premultiplied, row 0 at the top.

@@ -77,12 +77,15 @@ class FrameStatus:
         Whether it is the full picture.
     progress : float
         Part of the full picture that is ready, 0..1.
+    notice : str
+        A sentence on what the picture shows differently from what was asked for; empty when nothing.
     """
 
     resolution: float = 1.0
     seconds: float = 0.0
     complete: bool = False
     progress: float = 0.0
+    notice: str = ""
 
 
 class CostModel:
