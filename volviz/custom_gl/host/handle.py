@@ -32,6 +32,8 @@ from volviz.model.volume import Volume
 #: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that
 #: all of its threads have work, and short enough to be interrupted.
 TILE = (256, 64)
+#: Seconds of upload within a frame, so that a gesture that begins too early does not stay blind.
+UPLOAD_SECONDS = 0.03
 #: Targets of different sizes that are kept: full, and some levels of interaction.
 TARGETS_KEPT = 3
 #: Pictures that are not interrupted are drawn in one piece.
@@ -282,11 +284,8 @@ class VolumeHandle:
             time.sleep(min(budget, 0.004))
             return False
         resources = self._ready_resources()
-        while not resources.complete:
-            resources.upload(1)
-            self._gpu.gpu.gl.finish()
-            if time.perf_counter() - begin > budget:
-                return False
+        if not self._upload(resources, budget):
+            return False
         key = self._key()
         if self._picture is not None and self._picture.key == key and self._picture.level == FULL:
             return True
@@ -319,6 +318,16 @@ class VolumeHandle:
         self._report(FrameStatus(1.0, work.seconds, True, 1.0))
         return True
 
+    def _upload(self, resources: VolumeResources, budget: float) -> bool:
+        """Upload scalars for about `budget` seconds; True when all are there."""
+        begin = time.perf_counter()
+        while not resources.complete:
+            resources.upload(1)
+            self._gpu.gpu.gl.finish()
+            if time.perf_counter() - begin > budget:
+                break
+        return resources.complete
+
     # ------------------------------------------------------------------ drawing
 
     def _on_hook(self) -> None:
@@ -347,7 +356,7 @@ class VolumeHandle:
         resources = self._ready_resources()
         if self.pacer is None:
             resources.upload()
-        elif not resources.complete:
+        elif not resources.complete and not self._upload(resources, UPLOAD_SECONDS):
             self._picture = None
             self.pacer.request(self)
             return
