@@ -23,13 +23,14 @@ void main() {
     vec2 uv = v_ndc * 0.5 + 0.5;
 #if !ENLARGE
     f_color = texelFetch(t_picture, ivec2(uv * u_picture_size), 0);
+#elif !SCENE_DEPTH
+    // nothing to keep apart: the texture's own linear filter
+    f_color = textureLod(t_picture, uv, 0.0);
 #else
     vec2 position = uv * u_picture_size - 0.5;
     vec2 low = floor(position);
     vec2 part = position - low;
-#if SCENE_DEPTH
     float here = scene_depth(uv);
-#endif
     vec4 sum = vec4(0.0);
     float total = 0.0;
     for (int i = 0; i < 4; ++i) {
@@ -37,10 +38,8 @@ void main() {
         vec2 texel = clamp(low + vec2(corner), vec2(0.0), u_picture_size - 1.0);
         vec2 w2 = mix(1.0 - part, part, vec2(corner));
         float w = w2.x * w2.y + 1e-5;
-#if SCENE_DEPTH
         float there = scene_depth((texel + 0.5) / u_picture_size);
         w *= 1.0 / (1e-4 + abs(there - here) / max(abs(here), 1e-6));
-#endif
         sum += w * texelFetch(t_picture, ivec2(texel), 0);
         total += w;
     }

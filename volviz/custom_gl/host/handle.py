@@ -49,6 +49,7 @@ class _Picture:
     key: Any
     target: Target
     level: Level
+    area: tuple[float, float, float, float]
 
 
 @dataclass
@@ -312,7 +313,7 @@ class VolumeHandle:
             shown = self._picture.level.fraction if self._picture else 0.0
             self._report(FrameStatus(shown, work.seconds, False, work.done / work.chunks))
             return False
-        self._picture = _Picture(key, work.frame.target, FULL)
+        self._picture = _Picture(key, work.frame.target, FULL, self._area(work.frame))
         self._cost.observe(FULL, work.seconds)
         self._refinement = None
         self._report(FrameStatus(1.0, work.seconds, True, 1.0))
@@ -396,7 +397,7 @@ class VolumeHandle:
             self._gpu.gpu.gl.finish()
         seconds = time.perf_counter() - begin
         self._cost.observe(level, seconds)
-        self._picture = _Picture(key, frame.target, drawn)
+        self._picture = _Picture(key, frame.target, drawn, self._area(frame))
         self._report(FrameStatus(drawn.fraction, seconds, drawn == FULL, 1.0))
 
     def _worthwhile(self, level: Level) -> Level:
@@ -440,7 +441,19 @@ class VolumeHandle:
             self._depth.texture if self._depth_key else None,
             self._depth_map(),
             writes_depth=getattr(self._technique, "writes_depth", False),
+            area=self._picture.area,
         )
+
+    def _area(self, frame: Frame) -> tuple[float, float, float, float]:
+        """Part of the picture that may hold anything, as fractions: left, bottom, right, top."""
+        if not getattr(self._technique, "within_tiles", False):
+            return 0.0, 0.0, 1.0, 1.0
+        if not frame.tiles:
+            return 0.0, 0.0, 0.0, 0.0
+        tiles = np.array(frame.tiles, float)
+        low = tiles[:, :2].min(axis=0) / frame.size
+        high = (tiles[:, :2] + tiles[:, 2:]).max(axis=0) / frame.size
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
     def _current_technique(self) -> ImageTechnique:
         for technique in self._retired:

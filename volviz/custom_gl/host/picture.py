@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import moderngl
@@ -22,6 +23,7 @@ def composite(
     depth_map: tuple[float, float],
     *,
     writes_depth: bool,
+    area: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0),
 ) -> None:
     """Blend a premultiplied picture into a framebuffer, enlarging it when it is smaller than the viewport.
 
@@ -41,12 +43,15 @@ def composite(
         Makes eye depth of window depth: z = a / (b - depth); a = 0 leaves it (parallel projection).
     writes_depth : bool
         Write the picture's own depth where it has any.
+    area : tuple of 4 floats
+        Part of the picture outside which it is empty: left, bottom, right, top in 0..1.
     """
     gl = gpu.gl
+    enlarge = target.size != viewport[2:]
     program = gpu.programs.get(
         GLSL / "fullscreen.vert",
         GLSL / "composite.frag",
-        {"ENLARGE": target.size != viewport[2:], "SCENE_DEPTH": scene_depth is not None},
+        {"ENLARGE": enlarge, "SCENE_DEPTH": scene_depth is not None},
     )
     program.set(
         {
@@ -56,7 +61,10 @@ def composite(
     )
     framebuffer.use()
     gl.viewport = viewport
-    gl.scissor = viewport
+    gl.scissor = _within(viewport, area, target.size)
+    target.color.filter = (
+        (moderngl.LINEAR, moderngl.LINEAR) if enlarge else (moderngl.NEAREST, moderngl.NEAREST)
+    )
     program.use_texture("t_picture", target.color)
     program.use_texture("t_scene_depth", scene_depth if scene_depth is not None else gpu.blank_texture())
     gl.enable_only(moderngl.BLEND)
@@ -64,10 +72,25 @@ def composite(
     gl.blend_equation = moderngl.FUNC_ADD
     framebuffer.depth_mask = False
     gpu.draw_fullscreen(program)
+    target.color.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    gl.scissor = viewport
     if writes_depth and target.depth is not None:
         _write_depth(gpu, target, framebuffer)
     gl.enable_only(moderngl.NOTHING)
     gl.scissor = None
+
+
+def _within(
+    viewport: tuple[int, int, int, int], area: tuple[float, float, float, float], size: tuple[int, int]
+) -> tuple[int, int, int, int]:
+    """The pixels of a viewport that a part of the picture covers, and those that its outermost pixels reach."""
+    x, y, width, height = viewport
+    reach_x, reach_y = width / size[0], height / size[1]
+    left = max(math.floor(area[0] * width - reach_x), 0)
+    bottom = max(math.floor(area[1] * height - reach_y), 0)
+    right = min(math.ceil(area[2] * width + reach_x), width)
+    top = min(math.ceil(area[3] * height + reach_y), height)
+    return x + left, y + bottom, max(right - left, 1), max(top - bottom, 1)
 
 
 def _write_depth(gpu: Gpu, target: Target, framebuffer: Any) -> None:

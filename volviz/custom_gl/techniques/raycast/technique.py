@@ -15,6 +15,9 @@ _FRAGMENT = Path(__file__).parent / "raycast.frag"
 class Raycast:
     """Marches one ray per pixel from the box's entry to its exit, tile by tile."""
 
+    #: Nothing is drawn outside the frame's tiles.
+    within_tiles = True
+
     def plan(self, frame: Frame) -> int:
         """One chunk per tile."""
         return max(len(frame.tiles), 1)

@@ -38,6 +38,9 @@ _MODES: dict[str, tuple[str, tuple[int, int], int, float | None]] = {
 class Slicing:
     """Draws slices back to front, tile by tile and some slices at a time."""
 
+    #: Nothing is drawn outside the frame's tiles.
+    within_tiles = True
+
     def __init__(self) -> None:
         self.polygons = SlicePolygons()
         self._arrays: dict[int, tuple[Any, Any]] = {}
