@@ -17,6 +17,9 @@ AZIMUTH, ELEVATION = -30.0, 15.0
 #: A brick counts as visible when it may hold at least this opacity: a veil does not decide the frame.
 VISIBLE_OPACITY = 0.004
 
+#: Volumes of at most so many voxels are looked at voxel by voxel: their bricks would be too coarse a frame.
+SMALL = 2**18
+
 
 def default_camera(
     volume: Volume,
@@ -49,21 +52,42 @@ def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.N
     Returns
     -------
     ndarray of shape (N, 3)
-        Corners of the bricks that may hold something visible, limited to the volume's box.
+        Outermost visible voxels of a small volume, corners of the visible bricks of a larger one.
     """
+    index = (
+        _voxels(volume, transfer_function)
+        if volume.array.size <= SMALL
+        else _bricks(volume, transfer_function)
+    )
+    if len(index) == 0:
+        return volume.corners
+    matrix = volume.index_to_world
+    points: npt.NDArray[np.float64] = index @ matrix[:3, :3].T + matrix[:3, 3]
+    return points
+
+
+def _voxels(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
+    """First and last visible voxel of every row, as indices (i, j, k)."""
+    scalars = np.where(np.isfinite(volume.array), volume.array, volume.range[0])
+    seen = transfer_function.evaluate(scalars, volume.range)[..., 3] >= VISIBLE_OPACITY
+    k, j = np.nonzero(seen.any(axis=2))
+    rows = seen[k, j]
+    first = rows.argmax(axis=1)
+    last = rows.shape[1] - 1 - rows[:, ::-1].argmax(axis=1)
+    return np.concatenate([np.stack([i, j, k], axis=1) for i in (first, last)])
+
+
+def _bricks(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
+    """Corners of the visible bricks, as indices (i, j, k) limited to the volume."""
     bricks = bricks_of(volume)
     opacity = transfer_function.bake(volume.range)[:, 3]
     prefix = visible_prefix(np.where(opacity >= VISIBLE_OPACITY, opacity, 0.0))
     occupied = occupancy(bricks.low, bricks.high, prefix, volume.range)
-    if not occupied.any():
-        return volume.corners
     touched = np.zeros([n + 1 for n in occupied.shape], bool)
     nz, ny, nx = occupied.shape
     for c in range(8):
         i, j, k = c & 1, c >> 1 & 1, c >> 2 & 1
         touched[k : k + nz, j : j + ny, i : i + nx] |= occupied
     corners = np.argwhere(touched)[:, ::-1] * BRICK
-    index = np.minimum(corners, np.array(volume.dimensions) - 1)
-    matrix = volume.index_to_world
-    points: npt.NDArray[np.float64] = index @ matrix[:3, :3].T + matrix[:3, 3]
-    return points
+    index: npt.NDArray[np.int64] = np.minimum(corners, np.array(volume.dimensions) - 1)
+    return index
