@@ -20,6 +20,9 @@ VISIBLE_OPACITY = 0.004
 #: Volumes of at most so many voxels are looked at voxel by voxel: their bricks would be too coarse a frame.
 SMALL = 2**18
 
+#: Voxels kept free around what is visible in them, along every axis.
+AIR = 1
+
 
 def default_camera(
     volume: Volume,
@@ -67,14 +70,21 @@ def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.N
 
 
 def _voxels(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
-    """First and last visible voxel of every row, as indices (i, j, k)."""
+    """First and last visible voxel of every row and some air around them, as indices (i, j, k)."""
     scalars = np.where(np.isfinite(volume.array), volume.array, volume.range[0])
     seen = transfer_function.evaluate(scalars, volume.range)[..., 3] >= VISIBLE_OPACITY
     k, j = np.nonzero(seen.any(axis=2))
     rows = seen[k, j]
     first = rows.argmax(axis=1)
     last = rows.shape[1] - 1 - rows[:, ::-1].argmax(axis=1)
-    return np.concatenate([np.stack([i, j, k], axis=1) for i in (first, last)])
+    index = np.concatenate([np.stack([i, j, k], axis=1) for i in (first, last)])
+    if len(index) == 0:
+        return index
+    # in small volumes a voxel is large in the picture: room to move and for axes around it
+    low, high = index.min(axis=0), index.max(axis=0)
+    air = np.where(index > (low + high) / 2, AIR, -AIR)
+    inside: npt.NDArray[np.int64] = np.clip(index + air, 0, np.array(volume.dimensions) - 1)
+    return inside
 
 
 def _bricks(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
