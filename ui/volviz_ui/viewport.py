@@ -113,13 +113,15 @@ class Viewport(QtInteractor):
 
     def show_camera(self, camera: Camera) -> None:
         """Look from another place; nothing is committed."""
-        vtk_camera = self.renderer.GetActiveCamera()
-        vtk_camera.SetPosition(*camera.position)
-        vtk_camera.SetFocalPoint(*camera.focal_point)
-        vtk_camera.SetViewUp(*camera.view_up)
-        vtk_camera.SetViewAngle(camera.view_angle)
-        vtk_camera.SetParallelProjection(camera.parallel)
-        vtk_camera.SetParallelScale(camera.scale)
+        # VTK normalises the view up anew each time: the same view given back must not drift by a rounding
+        if not same_view(self.view_camera, camera):
+            vtk_camera = self.renderer.GetActiveCamera()
+            vtk_camera.SetPosition(*camera.position)
+            vtk_camera.SetFocalPoint(*camera.focal_point)
+            vtk_camera.SetViewUp(*camera.view_up)
+            vtk_camera.SetViewAngle(camera.view_angle)
+            vtk_camera.SetParallelProjection(camera.parallel)
+            vtk_camera.SetParallelScale(camera.scale)
         # PyVista frames the scene by itself as long as it believes that nobody has set a camera
         self.renderer.camera_set = True
         self.renderer.ResetCameraClippingRange()
@@ -246,3 +248,13 @@ class Viewport(QtInteractor):
             self._moving = False
             self.gesture_finished.emit()
             self.camera_committed.emit(self.view_camera)
+
+
+def same_view(a: Camera, b: Camera) -> bool:
+    """Whether two cameras differ by no more than rounding."""
+    if (a.view_angle, a.parallel, a.parallel_scale) != (b.view_angle, b.parallel, b.parallel_scale):
+        return False
+    reach = 1e-12 * max(a.distance, *map(abs, a.position), *map(abs, a.focal_point))
+    ups = max(abs(x - y) for x, y in zip(a.view_up, b.view_up, strict=True))
+    places = zip((*a.position, *a.focal_point), (*b.position, *b.focal_point), strict=True)
+    return ups <= 1e-12 and max(abs(x - y) for x, y in places) <= reach
