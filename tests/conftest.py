@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import hypothesis
 import pytest
 
-from tests.leaks import Watch
+from tests.leaks import Watch, thaw
 from volviz.environment import display_answers, prepare
 
 if TYPE_CHECKING:
@@ -81,14 +81,19 @@ def nothing_is_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
     """
     layer = layer_of(request.path)
     watch = Watch(objects=layer not in {None, "unit"})
-    try:
-        yield
-        if request.node.stash.get(FAILED, False) or request.node.get_closest_marker("leaks_allowed"):
-            return
-        if leaks := watch.leaks():
-            pytest.fail("The test left behind:\n  " + "\n  ".join(leaks), pytrace=False)
-    finally:
-        watch.close()
+    yield
+    if request.node.stash.get(FAILED, False) or request.node.get_closest_marker("leaks_allowed"):
+        return
+    if leaks := watch.leaks():
+        pytest.fail("The test left behind:\n  " + "\n  ".join(leaks), pytrace=False)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def memory_is_given_back(request: pytest.FixtureRequest) -> Iterator[None]:
+    """After each file: what its fixtures kept can be collected."""
+    yield
+    if layer_of(request.path) not in {None, "unit"}:
+        thaw()
 
 
 @pytest.fixture(scope="session")

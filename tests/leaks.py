@@ -3,9 +3,9 @@
 Everything here looks only at modules that are already imported, so that a test of plain values pays for none
 of it.
 
-`Watch` freezes the garbage collector's view of all that existed before the test (`gc.freeze`): the search
-after the test then sees only the objects that the test made, and costs milliseconds instead of a walk over
-the whole heap.
+`Watch` hides all that existed before the test from the garbage collector (`gc.freeze`): the search after the
+test then sees only the objects that the test made, and costs milliseconds instead of a walk over the whole
+heap. `thaw` gives everything back; it is called after each file, since a full collection takes 0.3 s.
 """
 
 from __future__ import annotations
@@ -178,7 +178,8 @@ class Watch:
         found += [*_qt_objects(made), *_vtk_objects(made), *_gl_objects(made)]
         return found
 
-    def close(self) -> None:
-        """Hand everything back to the garbage collector, whatever the test did."""
-        if self.objects:
-            gc.unfreeze()
+
+def thaw() -> None:
+    """Hand everything back to the garbage collector, and collect what became garbage while it was hidden."""
+    gc.unfreeze()
+    gc.collect()

@@ -21,7 +21,6 @@ def test_a_plotter_that_is_not_closed_is_found() -> None:
     plotter.close()
     del plotter
     assert watch.leaks() == []
-    watch.close()
 
 
 def test_a_texture_that_is_not_released_is_found() -> None:
@@ -40,4 +39,3 @@ def test_a_texture_that_is_not_released_is_found() -> None:
     window.Finalize()
     del window, texture
     assert watch.leaks() == []
-    watch.close()

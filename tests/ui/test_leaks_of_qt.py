@@ -24,7 +24,6 @@ def test_a_window_left_open_is_found(qapp: QApplication) -> None:
     window.deleteLater()
     assert watch.leaks() == []
     assert not shiboken6.isValid(window)
-    watch.close()
 
 
 def test_a_running_timer_is_found(qapp: QApplication) -> None:
@@ -35,7 +34,6 @@ def test_a_running_timer_is_found(qapp: QApplication) -> None:
     assert "'blinker'" in "\n".join(watch.leaks())
     timer.stop()
     assert watch.leaks() == []
-    watch.close()
 
 
 def test_a_running_thread_of_qt_is_found(qapp: QApplication) -> None:
@@ -46,4 +44,3 @@ def test_a_running_thread_of_qt_is_found(qapp: QApplication) -> None:
     thread.quit()
     assert thread.wait(2000)
     assert watch.leaks() == []
-    watch.close()
