@@ -1,0 +1,218 @@
+"""Frame times of several sides, taken in turn in one process, so that a busy machine hits all alike."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from volviz.errors import InputError
+
+if TYPE_CHECKING:
+    from volviz.compare.stage import Stage
+
+#: Draws frame i of a side and gives the seconds it took, on the wall clock or as (wall clock, GPU clock).
+Draw = Callable[[int], "float | tuple[float, float]"]
+
+#: With a limit of time, at least so many rounds are made all the same.
+LEAST_ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class FrameTimes:
+    """Times of the frames of one side, in seconds.
+
+    Attributes
+    ----------
+    name : str
+        The side.
+    seconds : tuple of floats
+        Wall time of each measured frame, in the order of measurement.
+    first : float or None
+        Wall time of the first frame, which uploads and compiles; not among `seconds`.
+    gpu_seconds : tuple of floats
+        OpenGL's own clock (`GL_TIME_ELAPSED`) for the same frames; empty with software OpenGL, where it stops
+        before the work is done.
+    """
+
+    name: str
+    seconds: tuple[float, ...]
+    first: float | None = None
+    gpu_seconds: tuple[float, ...] = ()
+
+    @property
+    def median(self) -> float:
+        """Median wall time; NaN before the first frame."""
+        return float(np.median(self.seconds)) if self.seconds else float("nan")
+
+    @property
+    def quartiles(self) -> tuple[float, float]:
+        """Wall times that a quarter and three quarters of the frames stay below."""
+        if not self.seconds:
+            return float("nan"), float("nan")
+        low, high = np.quantile(self.seconds, (0.25, 0.75))
+        return float(low), float(high)
+
+    @property
+    def spread(self) -> float:
+        """Distance of the quartiles as a fraction of the median."""
+        low, high = self.quartiles
+        return (high - low) / self.median if self.seconds else float("nan")
+
+    @property
+    def gpu_median(self) -> float | None:
+        """Median of OpenGL's own clock; None where there is none."""
+        return float(np.median(self.gpu_seconds)) if self.gpu_seconds else None
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """How many times as long one side takes as another.
+
+    Attributes
+    ----------
+    median : float
+        Quotient of the median times.
+    low, high : float
+        Quartiles of the quotients round by round: what of the ratio is certain on this machine.
+    """
+
+    median: float
+    low: float
+    high: float
+
+
+def ratio(side: FrameTimes, base: FrameTimes) -> Ratio:
+    """Time of `side` over that of `base`: above 1, `base` is the faster one.
+
+    Raises
+    ------
+    InputError
+        One of them has no frames.
+    """
+    rounds = min(len(side.seconds), len(base.seconds))
+    if not rounds:
+        raise InputError(
+            f"there are no frame times of {side.name} or {base.name} to compare; measure some first."
+        )
+    by_round = np.array(side.seconds[:rounds]) / np.array(base.seconds[:rounds])
+    low, high = np.quantile(by_round, (0.25, 0.75))
+    return Ratio(side.median / base.median, float(low), float(high))
+
+
+class FrameTimer:
+    """Frames of several sides in turn: first one round that does not count, then the rounds that do.
+
+    The order of the sides is turned round after every round. To measure all at once::
+
+        for _ in timer.steps():
+            pass
+
+    Whoever stops iterating keeps what has been measured.
+
+    Parameters
+    ----------
+    draws : mapping of str to callable
+        For each side a function that draws frame i (0, 1, ...) completely and gives its seconds.
+    rounds : int, default: 7
+        Measured frames of each side.
+    warm_up : int, default: 1
+        Frames of each side before them.
+    limit : float, optional
+        Seconds after which no further round begins, once there are three.
+    first : mapping of str to float, optional
+        Times of the very first frames, to be kept with the others.
+
+    Raises
+    ------
+    InputError
+        No side, or fewer than one round.
+    """
+
+    def __init__(
+        self,
+        draws: Mapping[str, Draw],
+        rounds: int = 7,
+        warm_up: int = 1,
+        limit: float | None = None,
+        first: Mapping[str, float] | None = None,
+    ) -> None:
+        if not draws:
+            raise InputError("times are taken of at least one side, got none.")
+        if rounds < 1 or warm_up < 0:
+            raise InputError(f"times need at least one round, got {rounds} after {warm_up} for warming up.")
+        self._draws = dict(draws)
+        self._rounds = rounds
+        self._warm_up = warm_up
+        self._limit = limit
+        self._first = dict(first or {})
+        self._seconds: dict[str, list[float]] = {name: [] for name in draws}
+        self._gpu_seconds: dict[str, list[float]] = {name: [] for name in draws}
+
+    def steps(self) -> Iterator[float]:
+        """Measure; gives the finished fraction, 0..1, after every frame."""
+        begin = time.perf_counter()
+        names = list(self._draws)
+        rounds = self._warm_up + self._rounds
+        total, done = rounds * len(names), 0
+        for turn in range(rounds):
+            counted = turn - self._warm_up
+            late = self._limit is not None and time.perf_counter() - begin > self._limit
+            if late and counted >= LEAST_ROUNDS:
+                break
+            for name in names if turn % 2 == 0 else reversed(names):
+                taken = self._draws[name](turn)
+                if counted >= 0:
+                    self._keep(name, taken)
+                done += 1
+                yield done / total
+
+    def _keep(self, name: str, taken: float | tuple[float, float]) -> None:
+        if isinstance(taken, tuple):
+            taken, gpu = taken
+            self._gpu_seconds[name].append(gpu)
+        self._seconds[name].append(taken)
+
+    @property
+    def times(self) -> dict[str, FrameTimes]:
+        """What has been measured so far."""
+        return {
+            name: FrameTimes(
+                name, tuple(self._seconds[name]), self._first.get(name), tuple(self._gpu_seconds[name])
+            )
+            for name in self._draws
+        }
+
+
+def time_frames(
+    draws: Mapping[str, Draw], rounds: int = 7, warm_up: int = 1, limit: float | None = None
+) -> dict[str, FrameTimes]:
+    """Frame times of all sides, measured at once; see `FrameTimer`."""
+    timer = FrameTimer(draws, rounds, warm_up, limit)
+    for _ in timer.steps():
+        pass
+    return timer.times
+
+
+def stage_timer(
+    stages: Mapping[str, Stage], rounds: int = 7, warm_up: int = 1, limit: float | None = None
+) -> FrameTimer:
+    """A timer of off-screen stages, each frame from a slightly turned camera; the GPU's clock where it counts."""
+    return FrameTimer(
+        {name: _draw_of(stage) for name, stage in stages.items()},
+        rounds,
+        warm_up,
+        limit,
+        {name: stage.first_seconds for name, stage in stages.items()},
+    )
+
+
+def _draw_of(stage: Stage) -> Draw:
+    from volviz.compare.stage import nudged
+
+    if stage.is_software:
+        return lambda frame: stage.draw(nudged(stage.view.camera, frame))
+    return lambda frame: stage.draw_on_gpu_clock(nudged(stage.view.camera, frame))
