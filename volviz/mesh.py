@@ -12,6 +12,7 @@ import numpy.typing as npt
 from volviz import environment
 from volviz.errors import InputError, VolvizError
 from volviz.kernels.marching import keep_components, marching_cubes
+from volviz.kernels.marching.surface import face_normals
 
 environment.prepare()
 
@@ -86,6 +87,9 @@ def extract_isosurface(
         raise InputError(f"smooth must be 0 or a number of iterations, got {smooth}.")
     if not 0.0 <= decimate <= MOST_DECIMATION:
         raise InputError(f"decimate must lie between 0 and {MOST_DECIMATION}, got {decimate}.")
+    filtered = bool(smooth or decimate)
+    # filters take several times as long as the extraction
+    extraction = 0.2 if filtered else 1.0
     vertices, faces, shading = marching_cubes(
         volume.array,
         isovalue,
@@ -98,7 +102,7 @@ def extract_isosurface(
         mask=mask,
         bounds=bounds,
         clean=clean,
-        progress=progress,
+        progress=_share(progress, 0.0, extraction),
         cancel=cancel,
     )
     flat = normals == "flat"
@@ -106,11 +110,20 @@ def extract_isosurface(
         vertices, faces, shading = keep_components(
             vertices, faces, shading, largest_only=largest_part, min_triangles=min_triangles
         )
-    mesh = polydata(vertices, faces, shading, flat=flat)
-    if len(faces) and (smooth or decimate):
-        mesh = _refine(mesh, smooth, decimate, normals)
+    if filtered and len(faces):
+        rest = _share(progress, extraction, 1.0)
+        mesh = _refined(vertices, faces, smooth, decimate, normals, rest, cancel)
+    else:
+        mesh = polydata(vertices, faces, shading, flat=flat)
     mesh.field_data["isovalue"] = [float(isovalue)]
     return mesh
+
+
+def _share(
+    progress: Callable[[float], object] | None, begin: float, end: float
+) -> Callable[[float], object] | None:
+    """Progress of a part of the work as progress of all of it."""
+    return None if progress is None else lambda part: progress(begin + (end - begin) * part)
 
 
 def polydata(
@@ -148,24 +161,25 @@ def polydata(
     return mesh
 
 
-def _refine(mesh: pyvista.PolyData, smooth: int, decimate: float, normals: str | None) -> pyvista.PolyData:
+def _refined(
+    vertices: Array,
+    faces: Array,
+    smooth: int,
+    decimate: float,
+    normals: str | None,
+    progress: Callable[[float], object] | None,
+    cancel: Callable[[], bool] | None,
+) -> pyvista.PolyData:
     """Smooth, decimate, and compute normals from what came out."""
-    if smooth:
-        mesh = mesh.smooth_taubin(n_iter=int(smooth), pass_band=0.1, boundary_smoothing=False)
-    if decimate:
-        mesh = mesh.decimate(float(decimate))
-    if normals is None:
-        return mesh
-    flat = normals == "flat"
-    # VTK would otherwise reorder or split what already is consistent.
-    result: pyvista.PolyData = mesh.compute_normals(
-        cell_normals=flat,
-        point_normals=not flat,
-        split_vertices=False,
-        consistent_normals=False,
-        auto_orient_normals=False,
+    # here and not above: the host brings moderngl with it, which few meshes need
+    from volviz.custom_gl.host.mesh_filters import filter_triangles
+
+    vertices, faces, shading = filter_triangles(
+        vertices, faces, smoothing=smooth, decimation=decimate, progress=progress, cancel=cancel
     )
-    return result
+    if normals == "flat":
+        return polydata(vertices, faces, face_normals(vertices, faces), flat=True)
+    return polydata(vertices, faces, None if normals is None else shading)
 
 
 def save_mesh(mesh: pyvista.PolyData, path: str | Path) -> None:

@@ -155,6 +155,9 @@ class Frame:
         Parts of the target that the box touches, for techniques that work pixel by pixel.
     uniforms : dict
         Uniforms that all shaders share, by name; see ``glsl/``.
+    filter_triangles : callable or None
+        Smooths and decimates triangles (VTK's filters); may be called on any thread, see
+        `volviz.custom_gl.host.mesh_filters.filter_triangles`.
     """
 
     gpu: Gpu
@@ -178,6 +181,7 @@ class Frame:
     interactive: bool
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
+    filter_triangles: Callable[..., Any] | None = None
 
     @property
     def box_corners(self) -> Matrix:
@@ -243,7 +247,8 @@ class ImageTechnique(Protocol):
 
     Two class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
     buffer; `least_resolution` (float), linear fraction of the full resolution below which nothing gets cheaper,
-    for techniques that give up detail by `Frame.step_scale` instead.
+    for techniques that give up detail by `Frame.step_scale` instead. Two properties are: `mesh`, the triangles that
+    the last full picture showed; `progress` (float), how far the worker is that a `plan` of 0 waits for.
     """
 
     def plan(self, frame: Frame) -> int:

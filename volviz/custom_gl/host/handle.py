@@ -16,6 +16,7 @@ from volviz.custom_gl.gpu.scalars import is_prepared
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.frame_uniforms import box_tiles, pixel_size, shared_uniforms
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
+from volviz.custom_gl.host.mesh_filters import filter_triangles
 from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
 from volviz.custom_gl.host.picture import composite
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
@@ -152,6 +153,19 @@ class VolumeHandle:
                     "voxels (x, y, z) are drawn as one; crop the file or raise VOLVIZ_TEXTURE_MB to see all of it."
                 )
         return " ".join(word for word in words if word)
+
+    @property
+    def mesh(self) -> Any:
+        """The `ReadyMesh` that the full picture shows; None for techniques without triangles, or before there is one.
+
+        See `volviz.custom_gl.mesh_drawing.world_triangles` for its place in the world.
+        """
+        return getattr(self._technique, "mesh", None)
+
+    @property
+    def waiting(self) -> float:
+        """How far the technique's worker is with what the next picture needs, 0..1."""
+        return float(getattr(self._technique, "progress", 0.0))
 
     @property
     def gpu(self) -> Gpu:
@@ -411,7 +425,8 @@ class VolumeHandle:
 
     def _report_waiting(self) -> None:
         """The technique waits for a worker: the last picture stays."""
-        self._report(FrameStatus(self._picture.level.fraction if self._picture else 0.0, 0.0, False, 0.0))
+        shown = self._picture.level.fraction if self._picture else 0.0
+        self._report(FrameStatus(shown, 0.0, False, 0.0, waiting=self.waiting))
 
     def _draw_chunk(self, frame: Frame, chunk: int) -> None:
         self._clean(frame)
@@ -561,6 +576,7 @@ class VolumeHandle:
             interactive=level != FULL,
             tiles=(),
             uniforms={},
+            filter_triangles=filter_triangles,
         )
         frame.level = self._level_of_detail(frame)
         frame.resources.select(frame.level)

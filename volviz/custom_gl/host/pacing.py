@@ -80,6 +80,8 @@ class FrameStatus:
         Part of the full picture that is ready, 0..1.
     notice : str
         A sentence on what the picture shows differently from what was asked for; empty when nothing.
+    waiting : float or None
+        While the technique waits for a worker: how far that is, 0..1.
     """
 
     resolution: float = 1.0
@@ -87,6 +89,7 @@ class FrameStatus:
     complete: bool = False
     progress: float = 0.0
     notice: str = ""
+    waiting: float | None = None
 
 
 class CostModel:

@@ -62,6 +62,45 @@ class MeshSettings:
         group="Surface",
         cost=Cost.PROGRAM,
     )
+    parts: str = parameter(
+        "all",
+        "Parts",
+        "Which connected parts are kept: all, the one with the most triangles, or those that are not specks.",
+        choices=(("all", "All"), ("largest", "Largest part"), ("large", "Large parts")),
+        group="Filters",
+        cost=Cost.DATA,
+    )
+    part_triangles: int = parameter(
+        100,
+        "At least",
+        "Parts with fewer triangles than this are left out.",
+        unit="triangles",
+        group="Filters",
+        minimum=1,
+        soft_maximum=100_000,
+        logarithmic=True,
+        cost=Cost.DATA,
+        enabled_by=("parts", ("large",)),
+    )
+    smoothing: int = parameter(
+        0,
+        "Smoothing",
+        "Iterations of a smoothing that does not shrink the surface; 20 take the steps of a mask away.",
+        group="Filters",
+        minimum=0,
+        maximum=500,
+        soft_maximum=60,
+        cost=Cost.DATA,
+    )
+    decimation: float = parameter(
+        0.0,
+        "Decimation",
+        "Share of the triangles that is removed, those first that change the shape least.",
+        group="Filters",
+        minimum=0.0,
+        maximum=0.99,
+        cost=Cost.DATA,
+    )
     color_by: str = parameter(
         "color",
         "Colour by",
@@ -119,4 +158,8 @@ class MeshSettings:
 CLASSIC: Mapping[str, Any] = {"isovalue": 48.0, "stride": 2, "color_by": "normal"}
 
 #: Settings without an effect on the default picture.
-INERT: Mapping[str, str] = {"color_depth": "acts when the transfer function colours the surface"}
+INERT: Mapping[str, str] = {
+    "color_depth": "acts when the transfer function colours the surface",
+    "parts": "all give the same mesh when it has one part only",
+    "part_triangles": "acts when only large parts are kept",
+}

@@ -1,18 +1,25 @@
-"""Meshes extracted in the background; the newest wish counts."""
+"""Meshes extracted and filtered in the background; the newest wish counts."""
 
 from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import Cancelled
-from volviz.kernels.marching import marching_cubes
+from volviz.kernels.marching import keep_components, marching_cubes
 from volviz.model.volume import Volume
+
+Array = npt.NDArray[Any]
+#: ``filter_triangles`` of the host; see there.
+TriangleFilter = Callable[..., tuple[npt.NDArray[np.float32], Array, npt.NDArray[np.float32]]]
+#: Part of the work that the extraction is when filters follow.
+EXTRACTION_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -29,12 +36,41 @@ class MeshWish:
         As in `volviz.marching_cubes`.
     stride : int
         In voxels.
+    largest_part : bool
+        Keep only the connected part with the most triangles.
+    min_triangles : int
+        Keep only connected parts with at least this many triangles.
+    smoothing : int
+        Iterations of smoothing.
+    decimation : float
+        Share of the triangles to remove, 0 to 0.99.
     """
 
     volume: Volume
     isovalue: float
     method: str
     stride: int
+    largest_part: bool = False
+    min_triangles: int = 0
+    smoothing: int = 0
+    decimation: float = 0.0
+
+    @property
+    def is_filtered(self) -> bool:
+        """Whether smoothing or decimation follow the extraction."""
+        return bool(self.smoothing or self.decimation)
+
+    def coarser(self, factor: int) -> MeshWish:
+        """The same surface from every n-th of its voxels, for a stand-in.
+
+        Its triangles are few already, and a part has fewer of them by the square of the factor.
+        """
+        return replace(
+            self,
+            stride=self.stride * factor,
+            min_triangles=self.min_triangles // factor**2,
+            decimation=self.decimation if factor == 1 else 0.0,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +104,10 @@ class ReadyMesh:
 class _Job:
     """One extraction on a thread of its own."""
 
-    def __init__(self, wish: MeshWish) -> None:
+    def __init__(self, wish: MeshWish, refine: TriangleFilter | None) -> None:
         self.wish = wish
+        self.progress = 0.0
+        self._refine = refine
         self.mesh: ReadyMesh | None = None
         self.error: Exception | None = None
         self.cancelled = threading.Event()
@@ -79,21 +117,50 @@ class _Job:
 
     def _work(self) -> None:
         try:
-            vertices, faces, normals = marching_cubes(
-                self.wish.volume.array,
-                self.wish.isovalue,
-                method=self.wish.method,
-                stride=self.wish.stride,
-                cancel=self.cancelled.is_set,
-            )
+            self.mesh = self._made()
         except Cancelled:
             return
         except Exception as error:  # noqa: BLE001 - raised again where the mesh is asked for
             self.error = error
-            return
+
+    def _made(self) -> ReadyMesh:
+        wish = self.wish
+        share = EXTRACTION_SHARE if wish.is_filtered else 1.0
+        vertices, faces, normals = marching_cubes(
+            wish.volume.array,
+            wish.isovalue,
+            method=wish.method,
+            stride=wish.stride,
+            progress=lambda part: self._tell(share * part),
+            cancel=self.cancelled.is_set,
+        )
+        if wish.largest_part or wish.min_triangles:
+            vertices, faces, normals = keep_components(
+                vertices, faces, normals, largest_only=wish.largest_part, min_triangles=wish.min_triangles
+            )
+        if wish.is_filtered and len(faces) and self._refine is not None:
+            # lengths are those of the world; its origin would only cost digits
+            to_world = wish.volume.index_to_world[:3, :3]
+            moved, faces, shading = self._refine(
+                (vertices @ to_world.T).astype(np.float32),
+                faces,
+                smoothing=wish.smoothing,
+                decimation=wish.decimation,
+                progress=lambda part: self._tell(share + (1 - share) * part),
+                cancel=self.cancelled.is_set,
+            )
+            vertices = (moved @ np.linalg.inv(to_world).T).astype(np.float32)
+            # a mirrored lattice turns the triangles over, and with them their normals
+            sign = np.sign(np.linalg.det(to_world))
+            covectors = shading @ (sign * to_world)
+            lengths = np.linalg.norm(covectors, axis=1, keepdims=True)
+            normals = (covectors / np.where(lengths > 0, lengths, 1.0)).astype(np.float32)
         if normals is None:
             normals = np.zeros_like(vertices)
-        self.mesh = ReadyMesh(self.wish, vertices, faces, normals)
+        return ReadyMesh(wish, vertices, faces, normals)
+
+    def _tell(self, fraction: float) -> None:
+        self.progress = fraction
 
 
 class MeshStore:
@@ -111,6 +178,8 @@ class MeshStore:
     def __init__(self, *, keeps: int, cancels: bool) -> None:
         self._keeps = keeps
         self._cancels = cancels
+        #: Smooths and decimates; without one, meshes stay as they were extracted.
+        self.refine: TriangleFilter | None = None
         self._meshes: list[ReadyMesh] = []
         self._job: _Job | None = None
 
@@ -118,6 +187,11 @@ class MeshStore:
     def last(self) -> ReadyMesh | None:
         """The mesh that was finished or asked for last."""
         return self._meshes[-1] if self._meshes else None
+
+    @property
+    def progress(self) -> float:
+        """How far the mesh in work is, 0..1; 1 when there is none."""
+        return 1.0 if self._job is None else self._job.progress
 
     def held(self, wish: MeshWish) -> ReadyMesh | None:
         """The mesh, if there is one already."""
@@ -141,7 +215,7 @@ class MeshStore:
                 self._put_last(ready)
                 return ready
             if self._job is None:
-                self._job = _Job(wish)
+                self._job = _Job(wish, self.refine)
             elif self._cancels and self._job.wish != wish:
                 self._job.cancelled.set()
             self._job.thread.join(max(end - time.monotonic(), 0.0))

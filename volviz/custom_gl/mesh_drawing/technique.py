@@ -86,11 +86,22 @@ class MeshTechnique:
         """Which method of `volviz.marching_cubes` extracts the surface."""
         raise NotImplementedError
 
+    @property
+    def mesh(self) -> ReadyMesh | None:
+        """The mesh that the last full picture showed, None before the first one."""
+        return self._full.last
+
+    @property
+    def progress(self) -> float:
+        """How far the mesh for the next full picture is, 0..1."""
+        return self._full.progress
+
     # ------------------------------------------------------------------ which mesh
 
     def plan(self, frame: Frame) -> int:
         """One chunk per block of triangles; 0 while the mesh is being extracted."""
         wish = self._wish(frame)
+        self._full.refine = self._stand_in.refine = frame.filter_triangles
         mesh = self._stand_in_for(frame, wish) if frame.interactive else self._full.get(wish, PATIENCE)
         if mesh is None:
             return 0
@@ -101,7 +112,16 @@ class MeshTechnique:
     def _wish(self, frame: Frame) -> MeshWish:
         settings, volume = frame.settings, frame.volume
         isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
-        return MeshWish(volume, float(isovalue), self.method(settings), int(settings.stride))
+        return MeshWish(
+            volume,
+            float(isovalue),
+            self.method(settings),
+            int(settings.stride),
+            largest_part=settings.parts == "largest",
+            min_triangles=settings.part_triangles if settings.parts == "large" else 0,
+            smoothing=settings.smoothing,
+            decimation=settings.decimation,
+        )
 
     def _stand_in_for(self, frame: Frame, wish: MeshWish) -> ReadyMesh | None:
         """A mesh that is drawn quickly: of this isovalue if possible, else the last one."""
@@ -112,7 +132,7 @@ class MeshTechnique:
         full = self._full.held(wish)
         if full is not None and full.triangles <= limit:
             return full
-        coarse = MeshWish(wish.volume, wish.isovalue, wish.method, wish.stride * self._coarser(wish, limit))
+        coarse = wish.coarser(self._coarser(wish, limit))
         mesh = self._stand_in.get(coarse, STAND_IN_PATIENCE)
         if mesh is not None:
             self._note(mesh)
