@@ -354,3 +354,52 @@ def test_a_translucent_mesh_is_drawn_on_the_side_of_the_volume_where_it_lies(fir
     assert in_front[0] > 100, "the translucent sphere in front does not tint the volume"
     assert behind[0] < 40, "the translucent sphere behind shines through the opaque volume"
     assert behind[1] > 150
+
+
+def ball(center: tuple[float, float, float]) -> volviz.Volume:
+    """A ball of radius 8 in a lattice of 24 voxels around a point in space."""
+    grid = np.arange(24) - 11.5
+    z, y, x = np.meshgrid(grid, grid, grid, indexing="ij")
+    distance = np.sqrt(x**2 + y**2 + z**2).astype(np.float32)
+    return volviz.Volume(-distance, origin=tuple(c - 11.5 for c in center))
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("technique", ["isosurface", "marching_cubes"])
+def test_surfaces_of_two_volumes_cut_one_another(technique: str, first: int) -> None:
+    """Two balls that overlap across the view: left of the middle the left one is in front, and so on.
+
+    Seen along the line of their centres' bisecting plane, each pixel shows the ball whose surface is nearer.
+    """
+    places = [(-4.0, 0.0, 1.0), (4.0, 0.0, -1.0)]
+    colors = [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+    with plotter() as window:
+        for number in (first, 1 - first):
+            of = ball(places[number])
+            own: dict[str, Any] = (
+                {"isovalues": (-8.0,), "colors": (colors[number],)}
+                if technique == "isosurface"
+                else {"isovalue": -8.0, "color_by": "color", "color": colors[number]}
+            )
+            volviz.add_volume(window, of, technique, **own)
+        window.camera_position = [(0, 0, 60), (0, 0, 0), (0, 1, 0)]
+        window.camera.parallel_projection = True
+        window.camera.parallel_scale = 12.0
+        window.reset_camera_clipping_range()
+        picture = shot(window)
+    rows, columns = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
+    x = (columns + 0.5 - SIZE[0] / 2) * 24.0 / SIZE[1]
+    y = -(rows + 0.5 - SIZE[1] / 2) * 24.0 / SIZE[1]
+    heights = []
+    for cx, cy, cz in places:
+        inside = 64.0 - (x - cx) ** 2 - (y - cy) ** 2
+        heights.append(np.where(inside > 0, cz + np.sqrt(np.maximum(inside, 0)), -np.inf))
+    red, blue = heights
+    clear = np.abs(np.where(np.isfinite(red), red, -99) - np.where(np.isfinite(blue), blue, -99)) > 0.3
+    seen = np.isfinite(red) | np.isfinite(blue)
+    rim = np.abs(np.hypot(x - places[0][0], y) - 8) < 0.5
+    rim |= np.abs(np.hypot(x - places[1][0], y) - 8) < 0.5
+    judged = clear & seen & ~rim
+    assert judged.sum() > 3000
+    shows_red = picture[..., 0] > picture[..., 2]
+    assert (shows_red[judged] == (red > blue)[judged]).mean() == 1.0

@@ -529,8 +529,8 @@ class VolumeHandle:
         )
 
     def _capture_depth(self, gpu: Any) -> None:
-        """Copy the depth of opaque geometry unless the copy at hand still shows it."""
-        revision = opaque_revision(self.renderer, HOOK_ACTORS)
+        """Copy the depth of what is already drawn and opaque unless the copy at hand still shows it."""
+        revision = opaque_revision(self.renderer, HOOK_ACTORS) + self._surfaces_before()
         if not revision:
             self._depth_key = None
             return
@@ -540,6 +540,23 @@ class VolumeHandle:
         if key != self._depth_key:
             self._depth.capture(gpu, self.window, (viewport[2], viewport[3]), (viewport[0], viewport[1]))
             self._depth_key = key
+
+    def _surfaces_before(self) -> tuple[Any, ...]:
+        """What changes with the surfaces of other volumes that are drawn before this one."""
+        others = [
+            other
+            for other in handles_of(self.renderer)
+            if other is not self and other._picture and getattr(other._technique, "writes_depth", False)
+        ]
+        if not others:
+            return ()
+        place = {id(prop): number for number, prop in enumerate(self.renderer.GetViewProps())}
+        here = place[id(self._hook.actor)]
+        return tuple(
+            (id(other), other._picture.key, other._picture.level)
+            for other in others
+            if other._picture is not None and place[id(other._hook.actor)] < here
+        )
 
     def _depth_map(self) -> tuple[float, float]:
         """(a, b) with eye depth = a / (b - window depth), (0, 0) for parallel projection."""
