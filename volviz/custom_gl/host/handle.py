@@ -141,6 +141,11 @@ class VolumeHandle:
         return self._settings
 
     @property
+    def actor(self) -> Any:
+        """The invisible `vtkActor` that stands for the volume in the renderer; its bounds are the box."""
+        return self._hook.actor
+
+    @property
     def notice(self) -> str:
         """A sentence on what the picture shows differently from what was asked for; empty when nothing."""
         words = [str(getattr(self._technique, "notice", ""))]
@@ -541,22 +546,25 @@ class VolumeHandle:
             self._depth.capture(gpu, self.window, (viewport[2], viewport[3]), (viewport[0], viewport[1]))
             self._depth_key = key
 
+    @property
+    def surface_shown(self) -> Any:
+        """What changes with the depth that the picture now shown writes; None when it writes none."""
+        if self._picture is None or not getattr(self._technique, "writes_depth", False):
+            return None
+        return id(self), self._picture.key, self._picture.level
+
     def _surfaces_before(self) -> tuple[Any, ...]:
         """What changes with the surfaces of other volumes that are drawn before this one."""
-        others = [
-            other
-            for other in handles_of(self.renderer)
-            if other is not self and other._picture and getattr(other._technique, "writes_depth", False)
-        ]
-        if not others:
-            return ()
-        place = {id(prop): number for number, prop in enumerate(self.renderer.GetViewProps())}
-        here = place[id(self._hook.actor)]
-        return tuple(
-            (id(other), other._picture.key, other._picture.level)
-            for other in others
-            if other._picture is not None and place[id(other._hook.actor)] < here
-        )
+        before = []
+        own = self._hook.actor
+        by_actor = {id(handle.actor): handle for handle in handles_of(self.renderer)}
+        for prop in self.renderer.GetViewProps():
+            if prop is own:
+                break
+            handle = by_actor.get(id(prop))
+            if handle is not None and handle.surface_shown is not None:
+                before.append(handle.surface_shown)
+        return tuple(before)
 
     def _depth_map(self) -> tuple[float, float]:
         """(a, b) with eye depth = a / (b - window depth), (0, 0) for parallel projection."""
