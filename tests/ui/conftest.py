@@ -101,7 +101,7 @@ def settle(app: QApplication) -> None:
 
 def is_complete(window: MainWindow) -> bool:
     """Whether the picture of the present state is there."""
-    return window.display.is_complete
+    return window.views.is_complete
 
 
 def picture(window: MainWindow) -> np.ndarray:

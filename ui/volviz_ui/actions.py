@@ -199,10 +199,49 @@ class Actions(QObject):
             tr("All settings of this technique back to their defaults"),
         )
 
+        self._make_compare()
         self.shortcuts = self._make(
             tr("&Shortcuts"), w.show_shortcuts, ["?", "F1"], "keyboard", tr("Keys and mouse")
         )
         self.about = self._make(tr("&About VolViz"), w.show_about, "", "info", tr("Version and licence"))
+
+    def _make_compare(self) -> None:
+        compare, tr = self._window.compare_commands, self.tr
+        self.one_view = self._make(
+            tr("&One view"), lambda: compare.set_view_count(1), "Ctrl+1", "", tr("The first view alone")
+        )
+        self.split = self._make(
+            tr("&Two views"),
+            compare.split,
+            "Ctrl+2",
+            "square-half",
+            tr("Compare two techniques or settings, with one camera"),
+            checkable=True,
+        )
+        self.four_views = self._make(
+            tr("&Four views"), lambda: compare.set_view_count(4), "Ctrl+4", "", tr("Compare four of them")
+        )
+        self.next_view = self._make(
+            tr("&Next view"),
+            compare.activate_next,
+            "N",
+            "",
+            tr("Let the Technique panel and the keys act on the next view"),
+        )
+        self.swap_views = self._make(
+            tr("E&xchange the views"),
+            compare.swap,
+            "",
+            "",
+            tr("The first view to the right, the second to the left"),
+        )
+        self.close_view = self._make(
+            tr("&Close the view"),
+            compare.close_active,
+            "Ctrl+W",
+            "",
+            tr("Close the active view; the others stay"),
+        )
 
     def groups(self) -> list[tuple[str, list[QAction]]]:
         """The commands by menu, for the page of shortcuts."""
@@ -221,6 +260,10 @@ class Actions(QObject):
                 ],
             ),
             (tr("Technique"), [*self.techniques, self.finer, self.coarser, self.machinery]),
+            (
+                tr("Compare"),
+                [self.one_view, self.split, self.four_views, self.next_view, self.close_view],
+            ),
             (tr("Help"), [self.shortcuts]),
         ]
 

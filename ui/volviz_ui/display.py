@@ -16,7 +16,7 @@ from volviz.model.volume import Volume
 from volviz_ui.camera_moves import light_moved, light_turned
 from volviz_ui.documents import Documents
 from volviz_ui.pacer import Pacer
-from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.panels.technique_box import current_settings, current_technique, view_of
 from volviz_ui.viewport import Viewport
 
 BUTTON_POLL_MS = 40
@@ -26,7 +26,9 @@ AddVolume = Callable[..., Any]
 
 
 class Display(QObject):
-    """Keeps one viewport showing the first view of the scene.
+    """Keeps one viewport showing one view of the scene.
+
+    It is told of every change by `show_change` and `show_volume`, so that several displays hear of it in order.
 
     Parameters
     ----------
@@ -38,11 +40,16 @@ class Display(QObject):
         Where it is shown.
     add_volume : callable
         `volviz.add_volume`.
+    view : int
+        Number of the view; the first one frames the scene for all.
     """
 
     failed = Signal(object)
     recovered = Signal()
     status_changed = Signal(object)
+    drag_noticed = Signal()
+    """A change came while a mouse button was down: a drag in some panel."""
+    drag_ended = Signal()
     _status_arrived = Signal(object)
 
     def __init__(
@@ -52,12 +59,16 @@ class Display(QObject):
         viewport: Viewport,
         add_volume: AddVolume,
         parent: QObject | None = None,
+        *,
+        view: int = 0,
     ) -> None:
         super().__init__(parent)
         self._store = store
         self._documents = documents
         self._viewport = viewport
         self._add_volume = add_volume
+        self._view = view
+        self._share = 1.0
         self._quality = "balanced"
         self._last_error: BaseException | None = None
         self.handle: Any = None
@@ -70,14 +81,10 @@ class Display(QObject):
         self._button_watch.timeout.connect(self._on_button_watch)
         # the host tells its status while it draws; what listens must not run inside the drawing
         self._status_arrived.connect(self.status_changed, Qt.ConnectionType.QueuedConnection)
-        viewport.gesture_started.connect(self.begin_gesture)
-        viewport.gesture_finished.connect(self.end_gesture)
         viewport.camera_committed.connect(self._on_camera_committed)
         viewport.light_dragged.connect(self._on_light_dragged)
         viewport.light_wheeled.connect(self._on_light_wheeled)
         viewport.frame_drawn.connect(self._on_frame_drawn)
-        documents.volume_changed.connect(self._on_volume_changed)
-        store.changed.connect(self._on_scene_changed)
 
     # ------------------------------------------------------------------ gestures
 
@@ -100,18 +107,34 @@ class Display(QObject):
             self.pacer.release()
             self._viewport.render()
 
+    @property
+    def share(self) -> float:
+        """Part of the time of an interactive frame that this picture may take, 0..1."""
+        return self._share
+
+    @share.setter
+    def share(self, share: float) -> None:
+        self._share = share
+        if self.handle is not None:
+            self.handle.share = share
+
+    @property
+    def watches_button(self) -> bool:
+        """Whether it waits for the end of a drag in some panel."""
+        return self._button_watch.isActive()
+
     def _on_button_watch(self) -> None:
         if QApplication.mouseButtons() == Qt.MouseButton.NoButton:
             self._button_watch.stop()
-            self.end_gesture()
+            self.drag_ended.emit()
 
     def _note_possible_drag(self) -> None:
         """A change while a mouse button is down is part of a drag, in whichever panel it happens."""
         if self._button_watch.isActive() or self._viewport.is_moving:
             return
         if QApplication.mouseButtons() != Qt.MouseButton.NoButton:
-            self.begin_gesture()
             self._button_watch.start()
+            self.drag_noticed.emit()
 
     # ------------------------------------------------------------------ quality, status
 
@@ -148,7 +171,8 @@ class Display(QObject):
 
     # ------------------------------------------------------------------ from the scene to the picture
 
-    def _on_volume_changed(self, volume: Volume | None) -> None:
+    def show_volume(self, volume: Volume | None) -> None:
+        """Show another volume as the scene says, or none."""
         scene = self._store.scene
         if volume is None or scene.layer is None:
             self._remove()
@@ -158,44 +182,47 @@ class Display(QObject):
 
     def _show_volume(self, volume: Volume, scene: Scene) -> None:
         values = {
-            "technique": current_technique(scene).id,
+            "technique": current_technique(scene, self._view).id,
             "transfer_function": scene.layer.transfer_function if scene.layer else None,
-            "settings": current_settings(scene),
+            "settings": current_settings(scene, self._view),
             "light": scene.light,
             "clipping": scene.clipping,
         }
         if self.handle is None:
             self.handle = self._add_volume(self._viewport, volume, pacer=self.pacer, **values)
             self.handle.update(quality=self._quality)
+            self.handle.share = self._share
             self.handle.on_status.append(self._status_arrived.emit)
         else:
             self.handle.update(volume=volume, **values)
         self._frame_scene(volume, scene)
 
     def _frame_scene(self, volume: Volume, scene: Scene) -> None:
-        camera = scene.view.camera
-        if camera is None and scene.layer is not None:
+        camera = view_of(scene, self._view).camera
+        if camera is None and scene.layer is not None and self._view == 0:
             camera = default_camera(
                 volume, self._viewport.pixel_size, transfer_function=scene.layer.transfer_function
             )
             self._commit(camera)
         if camera is not None:
             self._viewport.show_camera(camera)
-        self._viewport.light_is_movable = "light" in current_technique(scene).handles
+        self._viewport.light_is_movable = "light" in current_technique(scene, self._view).handles
 
-    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
+    def show_change(self, old: Scene, new: Scene) -> None:
+        """Show what has changed in the scene."""
         if self.handle is None or not self._documents.is_ready_for(new):
             return
         if not self._documents.is_ready_for(old):
-            return  # the volume changes: `_on_volume_changed` shows all of it at once
+            return  # the volume changes: `show_volume` shows all of it at once
         changes: dict[str, Any] = {}
-        if old.view.technique != new.view.technique:
-            changes["technique"] = current_technique(new).id
-            changes["settings"] = current_settings(new)
-            self._viewport.light_is_movable = "light" in current_technique(new).handles
-        elif current_settings(old) != current_settings(new):
-            changes["technique"] = current_technique(new).id
-            changes["settings"] = current_settings(new)
+        before, after = view_of(old, self._view), view_of(new, self._view)
+        if before.technique != after.technique:
+            changes["technique"] = current_technique(new, self._view).id
+            changes["settings"] = current_settings(new, self._view)
+            self._viewport.light_is_movable = "light" in current_technique(new, self._view).handles
+        elif current_settings(old, self._view) != current_settings(new, self._view):
+            changes["technique"] = current_technique(new, self._view).id
+            changes["settings"] = current_settings(new, self._view)
         if old.layer is not None and new.layer is not None:
             function = new.layer.transfer_function
             if old.layer.transfer_function is not function:
@@ -204,8 +231,9 @@ class Display(QObject):
             changes["light"] = new.light
         if old.clipping != new.clipping:
             changes["clipping"] = new.clipping
-        camera = new.view.camera
-        if camera is not None and camera != old.view.camera and not self._viewport.is_moving:
+        camera = after.camera
+        moving = any(viewport.is_moving for viewport in self._viewport.linked)
+        if camera is not None and camera != before.camera and not moving:
             self._viewport.show_camera(camera)
         elif camera is None and self._documents.volume is not None:
             self._frame_scene(self._documents.volume, new)
@@ -228,7 +256,7 @@ class Display(QObject):
         self._commit(camera)
 
     def _commit(self, camera: Camera) -> None:
-        self._store.update(lambda scene: scene.with_view(camera=camera), label="Camera", record=False)
+        self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
 
     def _on_camera_committed(self, camera: Camera) -> None:
         if self._documents.volume is not None:
@@ -285,7 +313,6 @@ class Display(QObject):
     def close(self) -> None:
         """Release everything on the GPU while the context still lives."""
         self._button_watch.stop()
-        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
         window = self._viewport.render_window
         if window is not None and self.handle is not None:
             window.MakeCurrent()

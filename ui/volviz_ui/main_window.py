@@ -17,6 +17,8 @@ from volviz_ui.app_icon import app_icon
 from volviz_ui.autosave import Autosave
 from volviz_ui.banner import Banner
 from volviz_ui.binding import show_value
+from volviz_ui.compare.commands import CompareCommands
+from volviz_ui.compare.view_area import ViewArea
 from volviz_ui.dialogs.about import AboutDialog
 from volviz_ui.dialogs.error import sentence_of, show_error
 from volviz_ui.dialogs.preferences import PreferencesDialog
@@ -91,12 +93,9 @@ class MainWindow(QMainWindow):
             | QMainWindow.DockOption.AnimatedDocks
         )
 
-        self.viewport = Viewport(self)
-        self.setCentralWidget(self.viewport)
-        self.scenery = Scenery(self.viewport)
-        self.light_mark = LightMark(self.viewport)
-        self.display = Display(self.store, self.documents, self.viewport, add_volume, self)
-        self.banner = Banner(self.viewport)
+        self.views = ViewArea(self.store, self.documents, add_volume, self)
+        self.setCentralWidget(self.views)
+        self.banner = Banner(self.views)
         self.status_line = StatusLine(self)
         self.setStatusBar(self.status_line)
 
@@ -110,10 +109,12 @@ class MainWindow(QMainWindow):
         self.file_commands = FileCommands(self)
         self.session_commands = SessionCommands(self)
         self.view_commands = ViewCommands(self)
+        self.compare_commands = CompareCommands(self)
         self.actions_ = Actions(self)
         self.menus = Menus(self)
         self._last_error: BaseException | None = None
-        self._pointer: QPointF | None = None
+        self._pointer: tuple[int, QPointF] | None = None
+        """Number of the view under the pointer, and where the pointer is in it."""
         self._pick_timer = QTimer(self)
         self._pick_timer.setSingleShot(True)
         self._pick_timer.setInterval(PICK_DELAY_MS)
@@ -126,6 +127,28 @@ class MainWindow(QMainWindow):
         self.autosave = None if autosave_folder is None else Autosave(self.store, autosave_folder, self)
         self._connect()
         self._restore()
+
+    # ------------------------------------------------------------------ the first view
+
+    @property
+    def viewport(self) -> Viewport:
+        """Where the first view is shown; the others are as large and look through the same camera."""
+        return self.views.first.viewport
+
+    @property
+    def display(self) -> Display:
+        """What shows the first view."""
+        return self.views.first.display
+
+    @property
+    def scenery(self) -> Scenery:
+        """What stands around the volume in the first view."""
+        return self.views.first.scenery
+
+    @property
+    def light_mark(self) -> LightMark:
+        """The mark of the light in the first view."""
+        return self.views.first.light_mark
 
     # ------------------------------------------------------------------ putting together
 
@@ -142,8 +165,8 @@ class MainWindow(QMainWindow):
 
     def _connect(self) -> None:
         for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
-            panel.gesture_started.connect(self.display.begin_gesture)
-            panel.gesture_finished.connect(self.display.end_gesture)
+            panel.gesture_started.connect(self.views.begin_gesture)
+            panel.gesture_finished.connect(self.views.end_gesture)
         self.transfer_editor.failed.connect(
             lambda error: show_error(self, self.tr("Transfer function"), error)
         )
@@ -155,20 +178,18 @@ class MainWindow(QMainWindow):
         self.documents.loading_ended.connect(self.banner.hide_progress)
         self.banner.cancelled.connect(self.documents.cancel)
         self.banner.details_wanted.connect(self._show_error_details)
-        self.display.failed.connect(self._on_drawing_failed)
-        self.display.recovered.connect(self._on_drawing_recovered)
-        self.display.status_changed.connect(self.status_line.show_status)
-        self.viewport.function_drag_started.connect(self.transfer_editor.begin_shift_stretch)
-        self.viewport.function_dragged.connect(self.transfer_editor.shift_stretch)
-        self.viewport.function_drag_ended.connect(
+        self.views.failed.connect(self._on_drawing_failed)
+        self.views.recovered.connect(self._on_drawing_recovered)
+        self.views.status_changed.connect(self._on_status_changed)
+        self.views.function_drag_started.connect(self.transfer_editor.begin_shift_stretch)
+        self.views.function_dragged.connect(self.transfer_editor.shift_stretch)
+        self.views.function_drag_ended.connect(
             lambda cancelled: self.transfer_editor.end_shift_stretch(cancel=cancelled)
         )
-        self.viewport.pointer_moved.connect(self._on_pointer_moved)
-        self.viewport.pointer_left.connect(self._on_pointer_left)
+        self.views.pointer_moved.connect(self._on_pointer_moved)
+        self.views.pointer_left.connect(self._on_pointer_left)
         self.store.history_changed.connect(self._show_history)
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
-        show_value(self.store, lambda scene: (scene.light, scene.view.technique), self._show_light)
-        show_value(self.store, lambda scene: scene.background, self._show_background)
         show_value(
             self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function
         )
@@ -177,13 +198,15 @@ class MainWindow(QMainWindow):
             lambda scene: bool(scene.view.camera and scene.view.camera.parallel),
             self._show_projection,
         )
+        show_value(self.store, lambda scene: len(scene.views), self._show_view_count)
+        show_value(self.store, lambda scene: scene.active_index, self._show_active)
         self._show_history()
 
     def _restore(self) -> None:
         for name, default in SHOWN_AT_FIRST.items():
             shown = self.preferences.shows(name, default)
             self.actions_.scenery[name].setChecked(shown)
-            self.scenery.show(name, shown)
+            self.views.show_scenery(name, shown)
         self.set_quality(self.preferences.quality)
         self.resize(1400, 900)
         self.reset_layout()
@@ -228,14 +251,13 @@ class MainWindow(QMainWindow):
     def _on_volume_changed(self, volume: Volume | None) -> None:
         layer = self.store.scene.layer
         self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
-        self.scenery.set_volume(volume, layer.transfer_function if layer else None)
+        self.views.set_volume(volume, layer.transfer_function if layer else None)
         self.data_panel.set_volume(volume)
         self.technique_panel.set_volume(volume)
         self.transfer_editor.set_volume(volume)
         self.thumbnails.set_volume(volume)
         self.isovalues.set_volume(volume)
         self.status_line.show_volume(volume)
-        self._show_light(None)
         self._memory_timer.start()
 
     # ------------------------------------------------------------------ showing
@@ -245,20 +267,28 @@ class MainWindow(QMainWindow):
         for action in self.actions_.techniques:
             action.setChecked(action.data() == technique)
 
-    def _show_light(self, _light: Any) -> None:
-        scene = self.store.scene
-        movable = "light" in current_technique(scene).handles
-        self.light_mark.show(scene.light, self.documents.volume, movable=movable)
-
-    def _show_background(self, color: Any) -> None:
-        self.scenery.set_background(color)
+    def _on_status_changed(self, view: int, status: Any) -> None:
+        if view == self.views.active.view:
+            self.status_line.show_status(status)
 
     def _show_function(self, function: Any) -> None:
         if self.documents.is_ready_for(self.store.scene):
-            self.scenery.set_function(function)
+            self.views.set_function(function)
 
     def _show_projection(self, parallel: bool) -> None:
         self.actions_.parallel.setChecked(parallel)
+
+    def _show_view_count(self, count: int) -> None:
+        self.actions_.split.setChecked(count > 1)
+        for action in (self.actions_.next_view, self.actions_.close_view, self.actions_.swap_views):
+            action.setEnabled(count > 1)
+
+    def _show_active(self, _index: int) -> None:
+        # panes are made by an earlier listener of the store
+        status = self.views.active.display.status
+        self.status_line.show_technique(current_technique(self.store.scene).label)
+        if status is not None:
+            self.status_line.show_status(status)
 
     def _show_history(self) -> None:
         for action, label, words in (
@@ -273,7 +303,7 @@ class MainWindow(QMainWindow):
     def set_quality(self, quality: str) -> None:
         """Give up more or less while something moves."""
         self.preferences.quality = quality
-        self.display.quality = quality
+        self.views.quality = quality
         self.menus.quality.setCurrentIndex(self.menus.quality.findData(quality))
 
     def set_theme(self, choice: Any) -> None:
@@ -291,8 +321,8 @@ class MainWindow(QMainWindow):
 
     # ------------------------------------------------------------------ pointer
 
-    def _on_pointer_moved(self, position: QPointF) -> None:
-        self._pointer = position
+    def _on_pointer_moved(self, view: int, position: QPointF) -> None:
+        self._pointer = (view, position)
         if not self._pick_timer.isActive():
             self._pick_timer.start()
 
@@ -304,14 +334,18 @@ class MainWindow(QMainWindow):
         volume, layer = self.documents.volume, self.store.scene.layer
         if self._pointer is None or volume is None or layer is None:
             return
+        view, position = self._pointer
+        if view >= len(self.views.panes):
+            return
+        viewport = self.views.panes[view].viewport
         try:
             picked = picked_voxel(
                 volume,
                 layer.transfer_function,
                 self.store.scene.clipping,
-                self.viewport.view_camera,
-                (self._pointer.x(), self._pointer.y()),
-                (self.viewport.width(), self.viewport.height()),
+                viewport.view_camera,
+                (position.x(), position.y()),
+                (viewport.width(), viewport.height()),
             )
         except InputError:
             picked = None
@@ -397,7 +431,6 @@ class MainWindow(QMainWindow):
             self.autosave.close()
         self.transfer_editor.close_workers()
         self.workers.close()
-        self.display.close()
+        self.views.close_views()
         self.documents.close()
-        self.viewport.close()
         super().closeEvent(event)

@@ -85,6 +85,12 @@ class Menus:
         technique.addSeparator()
         technique.addActions([actions.finer, actions.coarser, actions.machinery, actions.reset_settings])
 
+        compare = bar.addMenu(window.tr("&Compare"))
+        compare.addActions([actions.one_view, actions.split, actions.four_views])
+        compare.addSeparator()
+        compare.addActions([actions.next_view, actions.swap_views, actions.close_view])
+        self.compare = compare
+
         help_ = bar.addMenu(window.tr("&Help"))
         help_.addActions([actions.shortcuts, actions.about])
         for menu in bar.findChildren(QMenu):
@@ -125,6 +131,8 @@ class Menus:
         space = QWidget(bar)
         space.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         bar.addWidget(space)
+        bar.addAction(actions.split)
+        bar.addSeparator()
         bar.addActions([actions.scenery["box"], actions.scenery["axes"], actions.reset_camera])
         bar.addSeparator()
         bar.addActions([actions.copy_picture, actions.export_picture, actions.shortcuts])

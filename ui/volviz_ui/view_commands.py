@@ -58,7 +58,7 @@ class ViewCommands(QObject):
     def show_scenery(self, name: str, on: bool) -> None:
         """Switch box, axes, orientation marker or colour bar."""
         self._window.preferences.set_shows(name, on)
-        self._window.scenery.show(name, on)
+        self._window.views.show_scenery(name, on)
 
     def set_background(self, color: tuple[float, float, float] | None, _checked: bool = False) -> None:
         """One colour behind the volume, or the usual gradient."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QNativeGestureEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication, QWidget
@@ -37,6 +38,10 @@ class Viewport(QtInteractor):
     gesture_started = Signal()
     gesture_finished = Signal()
     camera_committed = Signal(object)
+    camera_moved = Signal()
+    """The mouse has moved the camera; nothing is committed yet."""
+    pressed = Signal()
+    """A button has gone down in the picture."""
     light_dragged = Signal(float, float)
     """Pixels right and down since the last time."""
     light_wheeled = Signal(float)
@@ -50,14 +55,18 @@ class Viewport(QtInteractor):
     pointer_left = Signal()
     frame_drawn = Signal()
 
+    # PyVista asks for pictures while it is being made
+    _covered = False
+
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent, auto_update=False, multi_samples=0)
         self.setAcceptDrops(False)  # the window takes dropped files, wherever they fall
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setMinimumSize(200, 150)
         self.setAccessibleName(self.tr("Picture of the volume"))
         self.iren.interactor.SetInteractorStyle(None)
         self.light_is_movable = False
+        self.linked: list[Viewport] = [self]
+        self._own_camera = self.renderer.camera
         self.frames = 0
         self.awaits_frame = False
         self._drag: Drag | None = None
@@ -69,6 +78,10 @@ class Viewport(QtInteractor):
         self._wheel_rest.setSingleShot(True)
         self._wheel_rest.setInterval(WHEEL_REST_MS)
         self._wheel_rest.timeout.connect(self._end_move)
+        self._unseen = QTimer(self)
+        self._unseen.setSingleShot(True)
+        self._unseen.setInterval(0)
+        self._unseen.timeout.connect(self._draw_unseen)
 
     # ------------------------------------------------------------------ drawing
 
@@ -76,7 +89,10 @@ class Viewport(QtInteractor):
         """Ask for a picture; several requests before the next turn of the event loop are one."""
         if not getattr(self, "_closed", False):
             self.awaits_frame = True
-            self.update()
+            if self._covered:
+                self._unseen.start()
+            else:
+                self.update()
 
     def paintGL(self) -> None:
         """Draw, and tell those who count or report."""
@@ -84,6 +100,22 @@ class Viewport(QtInteractor):
         super().paintGL()
         self.frames += 1
         self.frame_drawn.emit()
+
+    @property
+    def is_covered(self) -> bool:
+        """Whether something else lies over the whole picture, which is drawn all the same."""
+        return self._covered
+
+    @is_covered.setter
+    def is_covered(self, covered: bool) -> None:
+        if covered != self._covered:
+            self._covered = covered
+            self.render()
+
+    def _draw_unseen(self) -> None:
+        """Qt paints nothing that lies below something else: draw into our own framebuffer."""
+        if self._covered and self.isVisible() and not getattr(self, "_closed", False):
+            self.grabFramebuffer()
 
     @property
     def pixel_size(self) -> tuple[int, int]:
@@ -124,8 +156,36 @@ class Viewport(QtInteractor):
             vtk_camera.SetParallelScale(camera.scale)
         # PyVista frames the scene by itself as long as it believes that nobody has set a camera
         self.renderer.camera_set = True
-        self.renderer.ResetCameraClippingRange()
+        self._reset_clipping_range()
         self.render()
+
+    def link_camera(self, leader: Viewport) -> None:
+        """Look through the camera of another viewport from now on: one camera cannot drift apart."""
+        self.renderer.camera = leader.renderer.camera
+        leader.linked.append(self)
+        self.linked = leader.linked
+
+    def unlink_camera(self) -> None:
+        """Have a camera of one's own again."""
+        if self.renderer.camera is not self._own_camera:
+            self.linked.remove(self)
+            self.linked = [self]
+            self.renderer.camera = self._own_camera
+
+    def _reset_clipping_range(self) -> None:
+        """Near and far plane around what any of the viewports with this camera shows."""
+        if len(self.linked) == 1:
+            self.renderer.ResetCameraClippingRange()
+            return
+        boxes = np.array([view.renderer.ComputeVisiblePropBounds() for view in self.linked])
+        boxes = boxes[boxes[:, 0] <= boxes[:, 1]]
+        if len(boxes):
+            low, high = boxes[:, ::2].min(axis=0), boxes[:, 1::2].max(axis=0)
+            self.renderer.ResetCameraClippingRange(np.stack([low, high], axis=1).ravel().tolist())
+
+    def _move_camera(self, camera: Camera) -> None:
+        self.show_camera(camera)
+        self.camera_moved.emit()
 
     @property
     def is_moving(self) -> bool:
@@ -137,6 +197,7 @@ class Viewport(QtInteractor):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin what the button stands for; nothing changes before the pointer moves."""
         self.setFocus(Qt.FocusReason.MouseFocusReason)
+        self.pressed.emit()
         if self._drag is None:
             self._drag = self._meaning(event)
             self._last = self._start = event.position()
@@ -161,11 +222,11 @@ class Viewport(QtInteractor):
         self._begin_move()
         dx, dy, size = step.x(), step.y(), (self.width(), self.height())
         if self._drag is Drag.ROTATE:
-            self.show_camera(rotated(self.view_camera, dx, dy, size))
+            self._move_camera(rotated(self.view_camera, dx, dy, size))
         elif self._drag is Drag.PAN:
-            self.show_camera(panned(self.view_camera, dx, dy, size))
+            self._move_camera(panned(self.view_camera, dx, dy, size))
         elif self._drag is Drag.ZOOM:
-            self.show_camera(zoomed(self.view_camera, WHEEL_STEP ** (-dy / 20)))
+            self._move_camera(zoomed(self.view_camera, WHEEL_STEP ** (-dy / 20)))
         elif self._drag is Drag.FUNCTION:
             way = event.position() - self._start
             self.function_dragged.emit(way.x() / max(self.width(), 1), -way.y() / max(self.height(), 1))
@@ -187,7 +248,7 @@ class Viewport(QtInteractor):
             if event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
                 self.light_wheeled.emit(WHEEL_STEP**notches)
             else:
-                self.show_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
+                self._move_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
         event.accept()
 
     def event(self, event: QEvent) -> bool:
@@ -198,7 +259,7 @@ class Viewport(QtInteractor):
         ):
             self._begin_move()
             self._wheel_rest.start()
-            self.show_camera(zoomed(self.view_camera, 1 + event.value()))
+            self._move_camera(zoomed(self.view_camera, 1 + event.value()))
             return True
         return super().event(event)
 

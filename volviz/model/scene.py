@@ -10,6 +10,7 @@ from psygnal import Signal
 
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
+from volviz.model.comparison import Comparison
 from volviz.model.light import Light
 from volviz.model.transfer_function import TransferFunction
 
@@ -80,13 +81,29 @@ class View:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything that decides the picture, as one value."""
+    """Everything that decides the picture, as one value.
+
+    Attributes
+    ----------
+    layers : tuple of Layer
+        What is shown.
+    light, clipping, background
+        Shared by all views.
+    views : tuple of View
+        One, or two to four that are compared; they share one camera.
+    active : int
+        Number of the view that panels and keys act on.
+    comparison : Comparison
+        How several views are looked at together.
+    """
 
     layers: tuple[Layer, ...] = ()
     light: Light = Light()
     clipping: Clipping = Clipping()
     background: Color | None = None
     views: tuple[View, ...] = (View(),)
+    active: int = 0
+    comparison: Comparison = Comparison()
 
     @property
     def layer(self) -> Layer | None:
@@ -95,18 +112,41 @@ class Scene:
 
     @property
     def view(self) -> View:
-        """The first view."""
-        return self.views[0]
+        """The view that panels and keys act on."""
+        return self.views[self.active_index]
+
+    @property
+    def active_index(self) -> int:
+        """Number of the active view, within those that there are."""
+        return min(max(self.active, 0), len(self.views) - 1)
 
     def with_layer(self, **changes: Any) -> Scene:
         """The scene with the first layer changed."""
         return replace(self, layers=(replace(self.layers[0], **changes), *self.layers[1:]))
 
-    def with_view(self, index: int = 0, /, **changes: Any) -> Scene:
-        """The scene with one view changed."""
+    def with_view(self, index: int | None = None, /, **changes: Any) -> Scene:
+        """The scene with one view changed, the active one unless another is named."""
+        at = self.active_index if index is None else index
         views = list(self.views)
-        views[index] = replace(views[index], **changes)
+        views[at] = replace(views[at], **changes)
         return replace(self, views=tuple(views))
+
+    def with_camera(self, camera: Camera | None) -> Scene:
+        """The scene seen from another place, in all views."""
+        return replace(self, views=tuple(replace(view, camera=camera) for view in self.views))
+
+    def with_view_count(self, count: int) -> Scene:
+        """The scene with so many views: new ones repeat the active one, those at the end go."""
+        views = (*self.views, *(count - len(self.views)) * (self.view,))[: max(count, 1)]
+        return replace(self, views=views, active=min(self.active_index, len(views) - 1))
+
+    def without_view(self, index: int) -> Scene:
+        """The scene with one view closed; the last one stays."""
+        if len(self.views) == 1:
+            return self
+        views = (*self.views[:index], *self.views[index + 1 :])
+        active = self.active_index - (self.active_index > index)
+        return replace(self, views=views, active=min(active, len(views) - 1))
 
 
 @dataclass
@@ -197,12 +237,12 @@ class Store:
         """Take back what a running gesture has changed, as when Escape is pressed during a drag."""
         if self._past and self._past[-1].gesture == gesture:
             step = self._past.pop()
-            old, self._scene = self._scene, self._keep_cameras(step.scene)
+            old, self._scene = self._scene, self._keep_looks(step.scene)
             self.history_changed.emit()
             self.changed.emit(old, self._scene)
 
     def undo(self) -> bool:
-        """Go back one step; cameras stay where they are. False when there is none."""
+        """Go back one step; cameras and the way of comparing stay. False when there is none."""
         return self._travel(self._past, self._future)
 
     def redo(self) -> bool:
@@ -220,18 +260,22 @@ class Store:
             return False
         step = source.pop()
         target.append(_Step(self._scene, step.label))
-        old, self._scene = self._scene, self._keep_cameras(step.scene)
+        old, self._scene = self._scene, self._keep_looks(step.scene)
         self.history_changed.emit()
         self.changed.emit(old, self._scene)
         return True
 
-    def _keep_cameras(self, scene: Scene) -> Scene:
-        """The present cameras in an older scene, unless that one shows another volume."""
-        same = [a.volume for a in scene.layers] == [a.volume for a in self._scene.layers]
-        if not same or len(scene.views) != len(self._scene.views):
+    def _keep_looks(self, scene: Scene) -> Scene:
+        """An older scene looked at as now: the present cameras, active view and way of comparing.
+
+        A scene that shows another volume keeps its own cameras.
+        """
+        present = self._scene
+        scene = replace(scene, comparison=present.comparison, active=present.active)
+        scene = replace(scene, active=scene.active_index)
+        if [a.volume for a in scene.layers] != [a.volume for a in present.layers]:
             return scene
-        cameras = [view.camera for view in self._scene.views]
-        return replace(
-            scene,
-            views=tuple(replace(v, camera=c) for v, c in zip(scene.views, cameras, strict=True)),
-        )
+        cameras = [view.camera for view in present.views]
+        cameras += [cameras[0]] * (len(scene.views) - len(cameras))
+        views = zip(scene.views, cameras, strict=False)
+        return replace(scene, views=tuple(replace(view, camera=camera) for view, camera in views))

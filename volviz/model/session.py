@@ -16,6 +16,7 @@ from typing import Any, cast
 from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
+from volviz.model.comparison import MOST_VIEWS, Comparison
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of
 from volviz.model.scene import Layer, Scene, View, VolumeRef
@@ -50,6 +51,8 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
         "clipping": dataclasses.asdict(scene.clipping),
         "background": scene.background,
         "views": [_view_to_dict(view) for view in scene.views],
+        "active": scene.active,
+        "comparison": dataclasses.asdict(scene.comparison),
     }
 
 
@@ -156,6 +159,7 @@ def _view_to_dict(view: View) -> dict[str, Any]:
 def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -> Scene:
     light, clipping = data["light"], data["clipping"]
     position = light["position"]
+    views = tuple(_view(view, settings_of) for view in data["views"])[:MOST_VIEWS] or (View(),)
     return Scene(
         layers=tuple(_layer(layer, folder) for layer in data["layers"]),
         light=Light(
@@ -165,8 +169,16 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         ),
         clipping=Clipping(clipping["crop"], tuple((tuple(o), tuple(n)) for o, n in clipping["planes"])),
         background=None if data["background"] is None else _numbers(data["background"], 3),
-        views=tuple(_view(view, settings_of) for view in data["views"]) or (View(),),
+        views=views,
+        # absent in sessions of programs that showed one view only
+        active=min(max(int(data.get("active", 0)), 0), len(views) - 1),
+        comparison=_comparison(data.get("comparison", {})),
     )
+
+
+def _comparison(data: Mapping[str, Any]) -> Comparison:
+    known = {field.name for field in dataclasses.fields(Comparison)}
+    return Comparison(**{name: value for name, value in data.items() if name in known})
 
 
 def _layer(data: dict[str, Any], folder: Path | None) -> Layer:

@@ -20,7 +20,7 @@ from volviz_ui.panels.technique_box import TechniqueBox, current_settings, curre
 
 
 class TechniquePanel(Panel):
-    """Shows and changes the technique of the first view and its settings."""
+    """Shows and changes the technique of the active view and its settings."""
 
     gesture_started = Signal()
     gesture_finished = Signal()

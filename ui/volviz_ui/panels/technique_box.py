@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem,
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.light import Light
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene, Store, View
 from volviz_ui.binding import show_value
 from volviz_ui.editors.simple import CalmComboBox
 
@@ -49,9 +49,17 @@ class _TwoLines(QStyledItemDelegate):
 
 
 class TechniqueBox(CalmComboBox):
-    """Chooses the technique of the first view."""
+    """Chooses the technique of a view.
 
-    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+    Parameters
+    ----------
+    store : Store
+        The scene.
+    view : int, optional
+        Number of the view; the active one when not given.
+    """
+
+    def __init__(self, store: Store, parent: QWidget | None = None, *, view: int | None = None) -> None:
         super().__init__(parent)
         self.setItemDelegate(_TwoLines(self))
         self.setMaxVisibleItems(14)
@@ -65,7 +73,8 @@ class TechniqueBox(CalmComboBox):
             )
         self.setToolTip(self.tr("How the volume is drawn (keys 1 to 9)"))
         self._store = store
-        show_value(store, lambda scene: scene.view.technique, self.show_technique)
+        self._view = view
+        show_value(store, lambda scene: view_of(scene, view).technique, self.show_technique)
         self.activated.connect(self._on_activated)
 
     def showPopup(self) -> None:
@@ -79,7 +88,7 @@ class TechniqueBox(CalmComboBox):
         self.setCurrentIndex(self.findData(technique))
 
     def _on_activated(self, index: int) -> None:
-        choose_technique(self._store, self.itemData(index))
+        choose_technique(self._store, self.itemData(index), view=self._view)
 
 
 def drawing_techniques() -> list[TechniqueInfo]:
@@ -87,8 +96,8 @@ def drawing_techniques() -> list[TechniqueInfo]:
     return [info for info in techniques().values() if info.kind == "image"]
 
 
-def choose_technique(store: Store, technique: str) -> None:
-    """Draw with another technique; a step of the history.
+def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:
+    """Draw a view, the active one unless another is named, with another technique; a step of the history.
 
     A technique about light starts with a placed one, as long as nobody has touched the light: from the eye
     itself no shadow can be seen.
@@ -96,7 +105,7 @@ def choose_technique(store: Store, technique: str) -> None:
     info = techniques()[technique]
 
     def chosen(scene: Scene) -> Scene:
-        changed = scene.with_view(technique=technique)
+        changed = scene.with_view(view, technique=technique)
         if "light" in info.handles and scene.light == Light():
             changed = replace(changed, light=Light(headlight=False))
         return changed
@@ -104,13 +113,18 @@ def choose_technique(store: Store, technique: str) -> None:
     store.update(chosen, label=info.label)
 
 
-def current_technique(scene: Scene) -> TechniqueInfo:
-    """The technique that draws the first view."""
+def view_of(scene: Scene, view: int | None) -> View:
+    """A view of the scene by its number: the active one for None, the last one when there are not so many."""
+    return scene.view if view is None else scene.views[min(view, len(scene.views) - 1)]
+
+
+def current_technique(scene: Scene, view: int | None = None) -> TechniqueInfo:
+    """The technique that draws a view, the active one unless another is named."""
     known = techniques()
-    return known.get(scene.view.technique) or next(iter(known.values()))
+    return known.get(view_of(scene, view).technique) or next(iter(known.values()))
 
 
-def current_settings(scene: Scene) -> Any:
+def current_settings(scene: Scene, view: int | None = None) -> Any:
     """Its settings."""
-    info = current_technique(scene)
-    return scene.view.settings_for(info.id, info.settings)
+    info = current_technique(scene, view)
+    return view_of(scene, view).settings_for(info.id, info.settings)

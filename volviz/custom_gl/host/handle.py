@@ -77,6 +77,9 @@ class VolumeHandle:
         Called with the new status, on the thread that draws.
     quality : {"fast", "balanced", "full"}
         How far resolution may drop while something moves.
+    share : float
+        Part of the time of an interactive frame that this volume may take, 0..1; less than 1 where several
+        viewports are drawn together.
     """
 
     def __init__(
@@ -98,6 +101,7 @@ class VolumeHandle:
         self.status = FrameStatus()
         self.on_status: list[StatusListener] = []
         self.quality: Quality = "balanced"
+        self.share = 1.0
         self.pacer = pacer
         self._volume = volume
         self._info = info
@@ -389,9 +393,9 @@ class VolumeHandle:
             self._draw_at(FULL, key)
             return
         self._refinement = None
-        level = self._cost.level(self.quality)
+        level = self._cost.level(self.quality, self.share)
         expected = self._cost.full_seconds
-        if not self._interacting and expected is not None and expected <= AT_ONCE_SECONDS:
+        if not self._interacting and expected is not None and expected <= AT_ONCE_SECONDS * self.share:
             level = FULL
         self._draw_at(level, key)
         if level != FULL and not self._interacting:

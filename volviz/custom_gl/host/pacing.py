@@ -126,9 +126,9 @@ class CostModel:
         self._full_seconds = None
         self._last_full_seconds = 0.0
 
-    def level(self, quality: Quality) -> Level:
-        """The best level that keeps the interactive budget."""
-        budget = BUDGET[quality]
+    def level(self, quality: Quality, share: float = 1.0) -> Level:
+        """The best level that keeps the interactive budget, or a part of it where several pictures share it."""
+        budget = BUDGET[quality] * share
         if math.isinf(budget):
             return FULL
         if self._full_seconds is None:

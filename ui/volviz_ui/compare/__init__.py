@@ -1,0 +1,1 @@
+"""Several views of one scene: side by side, wiped, blinking, subtracted, measured."""

@@ -1,0 +1,95 @@
+"""The line above a view: which technique draws it, how far its picture is, how long that took."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
+
+from volviz.model.scene import Store
+from volviz_ui.panels.panel import small_button
+from volviz_ui.panels.technique_box import TechniqueBox
+
+HEIGHT = 34
+ACCENT = 2
+
+
+class ViewHeader(QWidget):
+    """Technique, status and a button to close, for one of several views.
+
+    Parameters
+    ----------
+    store : Store
+        The scene.
+    view : int
+        Number of the view.
+    """
+
+    activated = Signal()
+    closed = Signal()
+
+    def __init__(self, store: Store, view: int, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._active = False
+        self.setAccessibleName(self.tr("View %1").replace("%1", str(view + 1)))
+        self.box = TechniqueBox(store, self, view=view)
+        self.box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.box.setMinimumContentsLength(8)
+        self.box.setToolTip(self.tr("How view %1 is drawn").replace("%1", str(view + 1)))
+        self.box.setAccessibleName(self.tr("Technique of view %1").replace("%1", str(view + 1)))
+        self.box.activated.connect(lambda _index: self.activated.emit())
+        self.words = QLabel(self)
+        self.words.setProperty("quiet", True)
+        self.words.setToolTip(self.tr("Resolution now shown, and the time that drawing took"))
+        self.words.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        widest = self.fontMetrics().horizontalAdvance(self.tr("full quality  00000 ms"))
+        self.words.setMinimumWidth(widest)
+        self.words.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+        self.close_button = small_button("x", self.tr("Close this view; the others stay"), self)
+        self.close_button.clicked.connect(self.closed)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(4, 2, 4, 2 + ACCENT)
+        layout.setSpacing(8)
+        layout.addWidget(self.box, 1)
+        layout.addWidget(self.words)
+        layout.addWidget(self.close_button)
+
+    @property
+    def is_active(self) -> bool:
+        """Whether panels and keys act on this view."""
+        return self._active
+
+    def set_active(self, active: bool) -> None:
+        """Mark the view that panels and keys act on."""
+        if active != self._active:
+            self._active = active
+            self.update()
+
+    def show_status(self, status: Any) -> None:
+        """Say how far the picture is and how long it took."""
+        if status.complete and status.resolution >= 1:
+            words = self.tr("full quality")
+        elif 0 < status.progress < 1:
+            words = self.tr("%1 % done").replace("%1", f"{100 * status.progress:.0f}")
+        else:
+            words = f"{100 * status.resolution:.0f} %"
+        seconds = status.seconds
+        duration = f"{1000 * seconds:.0f} ms" if seconds < 10 else f"{seconds:.1f} s"
+        self.words.setText(f"{words}  {duration}")
+        notice = getattr(status, "notice", "")
+        self.words.setToolTip(notice or self.tr("Resolution now shown, and the time that drawing took"))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """A click beside the controls makes the view the active one."""
+        self.activated.emit()
+        event.accept()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """A line in the accent colour below the header of the active view."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Window))
+        role = QPalette.ColorRole.Highlight if self._active else QPalette.ColorRole.Mid
+        painter.fillRect(0, self.height() - ACCENT, self.width(), ACCENT, self.palette().color(role))
+        painter.end()

@@ -1,0 +1,106 @@
+"""One view with everything that belongs to it: frame, header, viewport, what is drawn and what stands around."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, QPoint, QRect
+from PySide6.QtGui import QPainter, QPaintEvent, QPalette
+from PySide6.QtWidgets import QWidget
+
+from volviz.model.scene import Store
+from volviz_ui.compare.header import ViewHeader
+from volviz_ui.display import AddVolume, Display
+from volviz_ui.documents import Documents
+from volviz_ui.light_mark import LightMark
+from volviz_ui.scenery import Scenery
+from volviz_ui.viewport import Viewport
+
+BORDER = 2
+
+
+class ViewFrame(QWidget):
+    """Cuts a viewport off at its edges, and shows which view is active by its colour."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._active = False
+
+    def set_active(self, active: bool) -> None:
+        """Show that panels and keys act on this view."""
+        if active != self._active:
+            self._active = active
+            self.update()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Only the border is seen: the viewport covers the rest."""
+        role = QPalette.ColorRole.Highlight if self._active else QPalette.ColorRole.Mid
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), self.palette().color(role))
+        painter.end()
+
+
+class Pane(QObject):
+    """A view of the scene in the window.
+
+    Parameters
+    ----------
+    parent : QWidget
+        In which frame and header lie; both are placed from outside.
+    store, documents, add_volume
+        As for `Display`.
+    view : int
+        Number of the view in the scene.
+    """
+
+    def __init__(
+        self, parent: QWidget, store: Store, documents: Documents, add_volume: AddVolume, view: int
+    ) -> None:
+        super().__init__(parent)
+        self.view = view
+        self.frame = ViewFrame(parent)
+        self.header = ViewHeader(store, view, parent)
+        self.viewport = Viewport(self.frame)
+        self.scenery = Scenery(self.viewport)
+        self.light_mark = LightMark(self.viewport)
+        self.display = Display(store, documents, self.viewport, add_volume, self, view=view)
+        self.display.status_changed.connect(self.header.show_status)
+
+    def place(self, picture: QRect, *, visible: QRect | None = None, border: int = 0) -> None:
+        """Put the picture somewhere.
+
+        Parameters
+        ----------
+        picture : QRect
+            Where the picture lies, in the coordinates of the parent.
+        visible : QRect, optional
+            The part of it that is seen; all of it when not given.
+        border : int
+            Width of the frame around the picture, inside of `picture`.
+        """
+        seen = picture if visible is None else visible
+        self.frame.setGeometry(seen)
+        inner = picture.adjusted(border, border, -border, -border)
+        self.viewport.setGeometry(QRect(inner.topLeft() - seen.topLeft() + QPoint(0, 0), inner.size()))
+
+    def set_active(self, active: bool) -> None:
+        """Show that panels and keys act on this view."""
+        self.frame.set_active(active)
+        self.header.set_active(active)
+
+    @property
+    def open_gestures(self) -> int:
+        """How many drags have begun in this view and not ended."""
+        return int(self.viewport.is_moving) + int(self.display.watches_button)
+
+    def close(self) -> None:
+        """Release the GPU while the context lives, then the widgets."""
+        self.display.close()
+        self.viewport.unlink_camera()
+        self.viewport.close()
+
+    def remove(self) -> None:
+        """Close, and take the widgets away."""
+        self.frame.hide()
+        self.header.hide()
+        self.close()
+        for part in (self.viewport, self.frame, self.header, self):
+            part.deleteLater()

@@ -1,0 +1,291 @@
+"""The middle of the window: as many views as the scene has, one camera, one drag at a time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from PySide6.QtCore import QPointF, QRect, Signal
+from PySide6.QtGui import QPainter, QPaintEvent, QPalette, QResizeEvent
+from PySide6.QtWidgets import QWidget
+
+from volviz.model.scene import Color, Scene, Store
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+from volviz_ui.compare.header import HEIGHT as HEADER
+from volviz_ui.compare.pane import BORDER, Pane
+from volviz_ui.display import AddVolume
+from volviz_ui.documents import Documents
+from volviz_ui.panels.technique_box import current_technique
+
+GAP = 4
+
+
+class ViewArea(QWidget):
+    """Shows all views of the scene; with one view it is that viewport and nothing else.
+
+    Parameters
+    ----------
+    store : Store
+        The scene.
+    documents : Documents
+        Where its volume is.
+    add_volume : callable
+        `volviz.add_volume`.
+    """
+
+    failed = Signal(object)
+    recovered = Signal()
+    status_changed = Signal(int, object)
+    """Number of the view, and what the host says about its picture."""
+    pointer_moved = Signal(int, QPointF)
+    pointer_left = Signal()
+    function_drag_started = Signal()
+    function_dragged = Signal(float, float)
+    function_drag_ended = Signal(bool)
+    laid_out = Signal()
+
+    def __init__(
+        self, store: Store, documents: Documents, add_volume: AddVolume, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(parent)
+        self.setMinimumSize(240, 150)
+        self._store = store
+        self._documents = documents
+        self._add_volume = add_volume
+        self._shown: dict[str, bool] = {}
+        self._volume: Volume | None = None
+        self._function: TransferFunction | None = None
+        self._quality = "balanced"
+        self._closed = False
+        self.panes: list[Pane] = []
+        self._add_pane()
+        documents.volume_changed.connect(self._on_volume_changed)
+        store.changed.connect(self._on_scene_changed)
+        self._sync(store.scene)
+
+    # ------------------------------------------------------------------ what there is
+
+    @property
+    def first(self) -> Pane:
+        """The pane that is always there."""
+        return self.panes[0]
+
+    @property
+    def active(self) -> Pane:
+        """The pane that panels and keys act on."""
+        return self.panes[min(self._store.scene.active_index, len(self.panes) - 1)]
+
+    @property
+    def shown_panes(self) -> list[Pane]:
+        """The panes that are to be seen."""
+        return self.panes
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every picture that is shown is the complete one of the present scene."""
+        return all(pane.display.is_complete for pane in self.shown_panes)
+
+    def complete(self) -> None:
+        """Finish all pictures now, however long it takes."""
+        for pane in self.shown_panes:
+            pane.display.complete()
+
+    def _add_pane(self) -> Pane:
+        pane = Pane(self, self._store, self._documents, self._add_volume, len(self.panes))
+        viewport, display = pane.viewport, pane.display
+        if self.panes:
+            viewport.link_camera(self.first.viewport)
+        self.panes.append(pane)
+        display.quality = self._quality
+        for name, on in self._shown.items():
+            pane.scenery.show(name, on)
+        pane.scenery.set_background(self._store.scene.background)
+        pane.scenery.set_volume(self._volume, self._function)
+        viewport.gesture_started.connect(self.begin_gesture)
+        viewport.gesture_finished.connect(self.end_gesture)
+        viewport.camera_moved.connect(self._on_camera_moved)
+        viewport.pressed.connect(lambda: self.activate(pane.view))
+        viewport.pointer_moved.connect(lambda position: self.pointer_moved.emit(pane.view, position))
+        viewport.pointer_left.connect(self.pointer_left)
+        viewport.function_drag_started.connect(self.function_drag_started)
+        viewport.function_dragged.connect(self.function_dragged)
+        viewport.function_drag_ended.connect(self.function_drag_ended)
+        display.failed.connect(self.failed)
+        display.recovered.connect(self.recovered)
+        display.drag_noticed.connect(self.begin_gesture)
+        display.drag_ended.connect(self.end_gesture)
+        display.status_changed.connect(lambda status: self.status_changed.emit(pane.view, status))
+        pane.header.activated.connect(lambda: self.activate(pane.view))
+        pane.header.closed.connect(lambda: self.close_view(pane.view))
+        pane.frame.show()
+        return pane
+
+    def _sync(self, scene: Scene) -> list[Pane]:
+        """As many panes as the scene has views; the new ones."""
+        count = len(scene.views)
+        while len(self.panes) > count:
+            pane = self.panes.pop()
+            # a drag that ends with its view would leave the others waiting for its end
+            for _ in range(pane.open_gestures):
+                self.end_gesture()
+            pane.remove()
+        new = [self._add_pane() for _ in range(count - len(self.panes))]
+        for pane in self.panes:
+            pane.display.share = 1.0 / count
+        self.place()
+        for pane in new:
+            if self._documents.volume is not None and self._documents.is_ready_for(scene):
+                pane.display.show_volume(self._documents.volume)
+        self._show_active(scene)
+        self._show_light(scene)
+        return new
+
+    # ------------------------------------------------------------------ where it lies
+
+    def place(self) -> None:
+        """Lay the views out."""
+        if len(self.panes) == 1:
+            self.first.header.hide()
+            self.first.place(self.rect())
+        else:
+            self._place_side_by_side()
+        self.laid_out.emit()
+
+    def _place_side_by_side(self) -> None:
+        columns, rows = 2, (len(self.panes) + 1) // 2
+        # all cells are equally large, so that pictures can be compared pixel by pixel
+        width = (self.width() - GAP * (columns - 1)) // columns
+        height = (self.height() - GAP * (rows - 1)) // rows
+        for number, pane in enumerate(self.panes):
+            left = number % columns * (self.width() - width)
+            top = number // columns * (self.height() - height) if rows > 1 else 0
+            pane.header.setGeometry(left, top, width, HEADER)
+            pane.header.show()
+            pane.place(QRect(left, top + HEADER, width, height - HEADER), border=BORDER)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Share the new size out."""
+        super().resizeEvent(event)
+        self.place()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """What lies between the views."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Window))
+        painter.end()
+
+    # ------------------------------------------------------------------ several views
+
+    def activate(self, view: int) -> None:
+        """Let panels and keys act on another view."""
+        self._store.update(lambda scene: replace(scene, active=min(view, len(scene.views) - 1)), record=False)
+
+    def close_view(self, view: int) -> None:
+        """Close a view; the others stay."""
+        self._store.update(
+            lambda scene: scene.without_view(view) if view < len(scene.views) else scene,
+            label=self.tr("Close a view"),
+        )
+
+    def _show_active(self, scene: Scene) -> None:
+        for pane in self.panes:
+            pane.set_active(pane.view == scene.active_index)
+
+    # ------------------------------------------------------------------ gestures
+
+    def begin_gesture(self) -> None:
+        """Something is being dragged: all pictures follow it together."""
+        for pane in self.panes:
+            pane.display.begin_gesture()
+
+    def end_gesture(self) -> None:
+        """It is over."""
+        for pane in self.panes:
+            pane.display.end_gesture()
+
+    def _on_camera_moved(self) -> None:
+        for pane in self.panes:
+            if pane.viewport is not self.sender():
+                pane.viewport.render()
+
+    # ------------------------------------------------------------------ from the scene to the pictures
+
+    def _on_volume_changed(self, volume: Volume | None) -> None:
+        new = self._sync(self._store.scene)
+        for pane in self.panes:
+            if pane not in new:
+                pane.display.show_volume(volume)
+
+    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
+        made: list[Pane] = []
+        if len(new.views) != len(self.panes):
+            made = self._sync(new)
+        for pane in list(self.panes):
+            if pane not in made:
+                pane.display.show_change(old, new)
+        if old.active_index != new.active_index:
+            self._show_active(new)
+        if old.background != new.background:
+            for pane in self.panes:
+                pane.scenery.set_background(new.background)
+                pane.viewport.render()
+        if old.light != new.light or _techniques(old) != _techniques(new):
+            self._show_light(new)
+
+    def _show_light(self, scene: Scene) -> None:
+        volume = self._documents.volume
+        for pane in self.panes:
+            movable = "light" in current_technique(scene, pane.view).handles
+            pane.light_mark.show(scene.light, volume, movable=movable)
+
+    # ------------------------------------------------------------------ what stands around
+
+    @property
+    def quality(self) -> str:
+        """How much is given up while something moves: "balanced", "fast" or "full"."""
+        return self._quality
+
+    @quality.setter
+    def quality(self, quality: str) -> None:
+        self._quality = quality
+        for pane in self.panes:
+            pane.display.quality = quality
+
+    def show_scenery(self, name: str, on: bool) -> None:
+        """Switch box, axes, orientation marker or colour bar in all views."""
+        self._shown[name] = on
+        for pane in self.panes:
+            pane.scenery.show(name, on)
+
+    def set_volume(self, volume: Volume | None, function: TransferFunction | None) -> None:
+        """Let box, axes and colour bar stand around another volume."""
+        self._volume, self._function = volume, function
+        for pane in self.panes:
+            pane.scenery.set_volume(volume, function)
+        self._show_light(self._store.scene)
+
+    def set_function(self, function: TransferFunction | None) -> None:
+        """Give the colour bars other colours."""
+        self._function = function
+        for pane in self.panes:
+            pane.scenery.set_function(function)
+
+    def set_background(self, color: Color | None) -> None:
+        """One colour behind the volume, or the usual gradient."""
+        for pane in self.panes:
+            pane.scenery.set_background(color)
+
+    # ------------------------------------------------------------------ end
+
+    def close_views(self) -> None:
+        """Release everything on the GPU while the contexts live; the panes stay to be asked."""
+        if self._closed:
+            return
+        self._closed = True
+        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        for pane in reversed(self.panes):
+            pane.close()
+
+
+def _techniques(scene: Scene) -> list[str]:
+    return [view.technique for view in scene.views]

@@ -1,0 +1,68 @@
+"""How several views are looked at together: side by side, as a wipe, blinking, or as a difference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from volviz.errors import InputError
+
+Mode = Literal["side_by_side", "wipe", "blink", "difference"]
+Map = Literal["signed", "absolute", "ssim"]
+Channel = Literal["luminance", "color", "red", "green", "blue"]
+
+MODES: tuple[Mode, ...] = ("side_by_side", "wipe", "blink", "difference")
+MAPS: tuple[Map, ...] = ("signed", "absolute", "ssim")
+CHANNELS: tuple[Channel, ...] = ("luminance", "color", "red", "green", "blue")
+MOST_VIEWS = 4
+PERIODS = (0.2, 5.0)
+SCALES = (0.002, 1.0)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How the first view and another one are laid over each other.
+
+    Attributes
+    ----------
+    mode : {"side_by_side", "wipe", "blink", "difference"}
+        Only "side_by_side" shows all views; the others show the first one and its counterpart.
+    divider : float
+        Where the wipe passes from one picture to the other, as a fraction of the width, 0..1.
+    period : float
+        Seconds for which one picture stays before it blinks to the other, 0.2..5.
+    map : {"signed", "absolute", "ssim"}
+        What the difference shows: the difference with or without its sign, or the structural similarity.
+    channel : {"luminance", "color", "red", "green", "blue"}
+        Of what: "color" keeps the three channels apart.
+    scale : float or None
+        Difference that gets the strongest colour, as a fraction of white, 0.002..1; None: as the pictures are.
+
+    Raises
+    ------
+    InputError
+        A value is none of those.
+    """
+
+    mode: Mode = "side_by_side"
+    divider: float = 0.5
+    period: float = 0.7
+    map: Map = "signed"
+    channel: Channel = "luminance"
+    scale: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value, known in (
+            ("mode", self.mode, MODES),
+            ("map", self.map, MAPS),
+            ("channel", self.channel, CHANNELS),
+        ):
+            if value not in known:
+                raise InputError(f"{name} of a comparison is one of {', '.join(known)}, got {value!r}.")
+        for name, number, (low, high) in (
+            ("divider", self.divider, (0.0, 1.0)),
+            ("period", self.period, PERIODS),
+            ("scale", self.scale, SCALES),
+        ):
+            if number is not None and not low <= number <= high:
+                raise InputError(f"{name} of a comparison lies within {low:g} and {high:g}, got {number!r}.")
