@@ -228,6 +228,18 @@ def test_ambient_occlusion_is_refused_in_words_and_a_lost_pass_is_restored() -> 
             volviz.add_volume(window, of, transfer_function=function(of))
 
 
+def test_what_stands_for_the_volume_in_vtk_has_its_bounds_and_no_faces_to_shade() -> None:
+    of = volume()
+    with plotter() as window:
+        handle = volviz.add_volume(window, of)
+        (actor,) = window.renderer.GetActors()
+        mapper = actor.GetMapper()
+        mapper.Update()
+        assert mapper.GetInput().GetNumberOfPolys() == 0
+        np.testing.assert_allclose(actor.GetBounds(), of.bounds, atol=1e-6)
+        handle.remove()
+
+
 def test_bounds_and_camera_reset_see_the_volume() -> None:
     of = volume(spacing=(1.0, 2.0, 3.0), origin=(100.0, 0.0, -50.0))
     with plotter() as window:

@@ -402,6 +402,9 @@ class VolumeHandle:
             self.pacer.request(self)
 
     def _draw_at(self, level: Level, key: Any) -> None:
+        if self.pacer is not None:
+            # what VTK has submitted before is not part of our cost
+            self._gpu.gpu.gl.finish()
         begin = time.perf_counter()
         drawn = self._worthwhile(level)
         frame = self._frame(drawn, tile=AT_ONCE_TILE)

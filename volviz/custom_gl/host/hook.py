@@ -2,8 +2,8 @@
 
 VTK's Python classes cannot be subclassed as render passes. Instead the renderer gets a `vtkRenderStepsPass`
 whose translucent step is a plain `vtkTranslucentPass` (the default one, order-independent transparency,
-draws into a framebuffer of its own with rewritten shaders), and a *hook actor*: the volume's box, fully
-transparent. Its mapper fires ``StartEvent`` after the opaque geometry and before the overlay.
+draws into a framebuffer of its own with rewritten shaders), and a *hook actor*: the corners of the volume's box,
+fully transparent. Its mapper fires ``StartEvent`` after the opaque geometry and before the overlay.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ _PASSES: dict[str, Any] = {}
 #: ``id`` of the actors that stand for volumes: they are no scenery.
 HOOK_ACTORS: set[int] = set()
 
+_UNIT_CUBE = np.array([[c & 1, c >> 1 & 1, c >> 2 & 1] for c in range(8)], float) - 0.5
+
 
 class Hook:
     """Calls back once per drawing of the renderer's translucent step.
@@ -41,9 +43,9 @@ class Hook:
         # first of all, since it may refuse
         self.install()
         self.actor = vtk.vtkActor()
-        self._cube = vtk.vtkCubeSource()
         self._mapper = vtk.vtkPolyDataMapper()
-        self._mapper.SetInputConnection(self._cube.GetOutputPort())
+        # bare points: faces that nobody sees would still be shaded, pixel by pixel, all over the view
+        self._mapper.SetInputData(vtk.pyvista.PolyData(_UNIT_CUBE))
         self.actor.SetMapper(self._mapper)
         self.actor.ForceTranslucentOn()
         self.actor.GetProperty().SetOpacity(0.0)
@@ -61,9 +63,6 @@ class Hook:
         corners : ndarray of shape (8, 3)
             World corners; bit 0 of the row number is x, bit 1 y, bit 2 z.
         """
-        self._cube.SetXLength(1)
-        self._cube.SetYLength(1)
-        self._cube.SetZLength(1)
         matrix = vtk.vtkMatrix4x4()
         axes = [corners[1] - corners[0], corners[2] - corners[0], corners[4] - corners[0]]
         center = corners.mean(axis=0)

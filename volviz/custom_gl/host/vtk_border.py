@@ -8,7 +8,6 @@ environment.prepare()
 
 import pyvista  # noqa: E402
 from vtkmodules.vtkCommonMath import vtkMatrix4x4  # noqa: E402
-from vtkmodules.vtkFiltersSources import vtkCubeSource  # noqa: E402
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper  # noqa: E402
 from vtkmodules.vtkRenderingOpenGL2 import (  # noqa: E402
     vtkOpenGLFramebufferObject,
@@ -19,7 +18,6 @@ from vtkmodules.vtkRenderingOpenGL2 import (  # noqa: E402
 __all__ = [
     "pyvista",
     "vtkActor",
-    "vtkCubeSource",
     "vtkMatrix4x4",
     "vtkOpenGLFramebufferObject",
     "vtkPolyDataMapper",
