@@ -260,11 +260,15 @@ def test_parallel_projection_and_a_camera_inside_draw_without_error(technique: s
 def test_vtk_draws_as_before_after_the_technique_was_there(technique: str) -> None:
     with stage(technique) as on:
         on.handle.remove()
-        on.window.add_mesh(pyvista.Sphere(radius=12.0, center=on.volume.center), color="orange")
+        on.window.add_mesh(pyvista.Sphere(radius=4.0, center=on.volume.center), color="orange")
         before = on.window.screenshot(return_img=True)
         handle = volviz.add_volume(on.window, on.volume, technique, transfer_function=function(on.volume))
         on.window.render()
         handle.raise_error()
+        during = on.window.screenshot(return_img=True)
         handle.remove()
+        # a screenshot alone would show the frame that is there
+        on.window.render()
         after = on.window.screenshot(return_img=True)
+        assert not np.array_equal(before, during)
         assert np.array_equal(before, after)
