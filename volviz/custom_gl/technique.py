@@ -1,12 +1,12 @@
 """What a technique is: the two protocols, and what the host hands to an image technique.
 
-An `ImageTechnique` draws with our GLSL into a target of ours and knows nothing of VTK. A `PropTechnique` puts VTK
-props into the renderer and draws nothing itself. Both are described by one `TechniqueInfo`.
+An `ImageTechnique` draws with our GLSL into a target of ours and knows nothing of VTK. A `PropTechnique` makes props
+of VTK, which the host lets VTK draw into the same target. Both are described by one `TechniqueInfo`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
@@ -58,6 +58,10 @@ class TechniqueInfo:
         Settings that do not change the default picture, each with the reason; the contract tests read it.
     order : int
         Place in lists, ascending.
+    counterpart_of : tuple of str
+        Ids of the techniques beside which it is meant to be looked at: VTK's own mappers name ours.
+    needs_textures : bool
+        Whether an image technique reads `Frame.resources`; those of the kind "prop" never do.
     """
 
     id: str
@@ -72,6 +76,13 @@ class TechniqueInfo:
     uses_transfer_function: bool = True
     inert: Mapping[str, str] = field(default_factory=dict)
     order: int = 100
+    counterpart_of: tuple[str, ...] = ()
+    needs_textures: bool = True
+
+    @property
+    def uses_textures(self) -> bool:
+        """Whether the host must bring the volume onto the GPU for it."""
+        return self.kind == "image" and self.needs_textures
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -267,19 +278,36 @@ class ImageTechnique(Protocol):
 
 @runtime_checkable
 class PropTechnique(Protocol):
-    """Shows the volume by VTK's own props."""
+    """Shows the volume by props of VTK, which the host draws into the frame's target.
 
-    def attach(self, renderer: Any, volume: Volume) -> None:
-        """Add the props to a `vtkRenderer`."""
+    Attributes
+    ----------
+    props : sequence of vtkProp
+        What is drawn, in this order: volumes, or actors.
+    by_tiles : bool
+        The props can be drawn piece by piece through a scissor box, at about the cost of the pieces.
+    writes_depth : bool
+        The depth of the frame goes into VTK's depth buffer (surfaces).
+    within_tiles : bool
+        Nothing is drawn outside the frame's tiles.
+    """
 
-    def update(
-        self,
-        volume: Volume,
-        transfer_function: TransferFunction,
-        settings: Any,
-        shared: Any,
-    ) -> None:
-        """Make the props show these values."""
+    by_tiles: bool
+    writes_depth: bool
+    within_tiles: bool
 
-    def detach(self) -> None:
-        """Remove the props again."""
+    @property
+    def props(self) -> Sequence[Any]:
+        """What is drawn."""
+
+    def prepare(self, frame: Frame) -> bool:
+        """Make the props show the values of a frame; False while a worker has not finished.
+
+        `Frame.resources` and `Frame.uniforms` are empty here: VTK brings the volume onto the GPU itself.
+        """
+
+    def check(self) -> None:
+        """Raise what VTK complained about while it drew the props."""
+
+    def release(self, window: Any) -> None:
+        """Release what the props hold on the GPU; the context is current."""

@@ -113,8 +113,6 @@ def add_volume(
         raise InputError(
             f"add_volume shows a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume."
         )
-    if info.kind != "image":
-        raise InputError(f"{technique} shows VTK's own props; use it through volviz.compare.")
     # techniques with a light to be dragged show little under a light at the eye, which sees no shadow
     first_light = Light(headlight="light" not in info.handles)
     new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())

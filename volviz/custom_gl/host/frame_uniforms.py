@@ -36,7 +36,6 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
     def value(name: str, default: float) -> float:
         return float(getattr(settings, name, default))
 
-    extent = float(np.linalg.norm(volume.extent))
     uniforms: dict[str, Any] = {
         "u_clip_to_texture": np.linalg.inv(to_clip),
         "u_texture_to_clip": to_clip,
@@ -61,9 +60,9 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
         "u_gradient_opacity": value("gradient_opacity", 0.0),
         "u_inverse_gradient_scale": 1.0,
-        "u_eye": tuple(_eye(frame, extent)),
+        "u_eye": tuple(_eye(frame)),
         "u_view_direction": tuple(frame.camera.direction),
-        "u_light_position": tuple(_light(frame, extent)),
+        "u_light_position": tuple(light_place(frame)),
         "u_light_color": frame.light_color,
         "u_flat_gradient": 1e-5 / volume.mean_spacing,
         "u_material": (
@@ -83,15 +82,17 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
     return uniforms
 
 
-def _eye(frame: Frame, extent: float) -> Matrix:
+def _eye(frame: Frame) -> Matrix:
     """World position from which surfaces are seen; far behind the view for parallel projection."""
     if not frame.camera.parallel:
         return frame.camera.eye
+    extent = float(np.linalg.norm(frame.volume.extent))
     return np.asarray(np.array(frame.volume.center) - frame.camera.direction * (1e4 * extent))
 
 
-def _light(frame: Frame, extent: float) -> Matrix:
-    return _eye(frame, extent) if frame.headlight else frame.light_position
+def light_place(frame: Frame) -> Matrix:
+    """World position from which the light comes: the eye for a headlight."""
+    return _eye(frame) if frame.headlight else frame.light_position
 
 
 def _planes(frame: Frame, to_world: Matrix) -> Matrix:

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -17,8 +17,10 @@ from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.frame_uniforms import box_tiles, pixel_size, shared_uniforms
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
 from volviz.custom_gl.host.mesh_filters import filter_triangles
+from volviz.custom_gl.host.no_textures import NO_TEXTURES, NoTextures
 from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
 from volviz.custom_gl.host.picture import composite
+from volviz.custom_gl.host.prop_drawing import PropDrawing
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
 from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
 from volviz.custom_gl.registry import technique as technique_info
@@ -65,7 +67,7 @@ class _Refinement:
 
 
 class VolumeHandle:
-    """A volume shown in a renderer by one of the image techniques; made by `volviz.add_volume`.
+    """A volume shown in a renderer by one of the techniques; made by `volviz.add_volume`.
 
     Attributes
     ----------
@@ -215,8 +217,6 @@ class VolumeHandle:
         from volviz.custom_gl.host.adding import split_values
 
         info = self._info if technique is None else technique_info(technique)
-        if info.kind != "image":
-            raise InputError(f"{info.id} shows props of VTK; it needs a handle of its own.")
         new_light, new_clipping = light or self._light, clipping or self._clipping
         if values and settings is not None:
             raise InputError(f"give either settings or single values ({', '.join(values)}), not both.")
@@ -342,7 +342,7 @@ class VolumeHandle:
         self._report(FrameStatus(1.0, work.seconds, True, 1.0))
         return True
 
-    def _upload(self, resources: VolumeResources, budget: float) -> bool:
+    def _upload(self, resources: VolumeResources | NoTextures, budget: float) -> bool:
         """Upload scalars for about `budget` seconds; True when all are there."""
         begin = time.perf_counter()
         while not resources.complete:
@@ -487,19 +487,27 @@ class VolumeHandle:
             technique.release()
         self._retired.clear()
         if self._technique is None:
-            self._technique = self._info.create()
+            made = self._info.create()
+            if self._info.kind == "prop":
+                made = PropDrawing(made, self.window, self.renderer.GetActiveCamera)
+            self._technique = made
         return self._technique
 
     def _is_prepared(self) -> bool:
         """Whether textures of the volume can be made without computing them here first."""
+        if not self._info.uses_textures:
+            return True
         if self._resources is not None and self._resources.volume is self._volume:
             return True
         return is_prepared(self._volume, *texel_limits(self._gpu.gpu, self._volume))
 
-    def _ready_resources(self) -> VolumeResources:
-        if self._resources is not None and self._resources.volume is not self._volume:
+    def _ready_resources(self) -> VolumeResources | NoTextures:
+        needed = self._info.uses_textures
+        if self._resources is not None and (self._resources.volume is not self._volume or not needed):
             self._gpu.drop(self._resources)
             self._resources = None
+        if not needed:
+            return NO_TEXTURES
         if self._resources is None:
             self._resources = self._gpu.resources(self._volume)
         return self._resources
@@ -592,7 +600,7 @@ class VolumeHandle:
             size=size,
             window_size=(width, height),
             volume=self._volume,
-            resources=self._ready_resources(),
+            resources=cast(VolumeResources, self._ready_resources()),
             transfer_function=self._transfer_function,
             settings=self._settings,
             camera=self._camera(),
@@ -613,7 +621,8 @@ class VolumeHandle:
         frame.level = self._level_of_detail(frame)
         frame.resources.select(frame.level)
         frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, size, tile)
-        frame.uniforms = shared_uniforms(frame)
+        if self._info.uses_textures:
+            frame.uniforms = shared_uniforms(frame)
         return frame
 
     def _target(self, purpose: str, size: tuple[int, int]) -> Target:

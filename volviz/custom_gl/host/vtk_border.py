@@ -8,7 +8,12 @@ environment.prepare()
 
 import pyvista  # noqa: E402
 from vtkmodules.vtkCommonMath import vtkMatrix4x4  # noqa: E402
-from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper  # noqa: E402
+from vtkmodules.vtkRenderingCore import (  # noqa: E402
+    vtkActor,
+    vtkLight,
+    vtkPolyDataMapper,
+    vtkRenderer,
+)
 from vtkmodules.vtkRenderingOpenGL2 import (  # noqa: E402
     vtkOpenGLFramebufferObject,
     vtkRenderStepsPass,
@@ -18,9 +23,11 @@ from vtkmodules.vtkRenderingOpenGL2 import (  # noqa: E402
 __all__ = [
     "pyvista",
     "vtkActor",
+    "vtkLight",
     "vtkMatrix4x4",
     "vtkOpenGLFramebufferObject",
     "vtkPolyDataMapper",
     "vtkRenderStepsPass",
+    "vtkRenderer",
     "vtkTranslucentPass",
 ]

@@ -1,0 +1,246 @@
+"""Draws VTK's own props as if they were a technique of ours: into the frame's target, in pieces, at any resolution.
+
+The props stand in a renderer of their own, which shares window and camera with the plotter's and has exactly one light.
+It is never rendered as a whole: each prop is asked to draw itself while a float framebuffer is bound. So VTK's pictures
+are kept, refined, read and timed as ours are, and volumes are cut into tiles by a scissor box.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+
+from volviz.custom_gl.host import vtk_border as vtk
+from volviz.custom_gl.host.frame_uniforms import light_place
+from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.technique import Frame, PropTechnique
+
+_GL_ONE = 1
+_GL_LEQUAL = 0x0203
+_GL_SRC_ALPHA = 0x0302
+_GL_ONE_MINUS_SRC_ALPHA = 0x0303
+_GL_CULL_FACE = 0x0B44
+_GL_DEPTH_TEST = 0x0B71
+_GL_BLEND = 0x0BE2
+_VTK_FLOAT = 10
+
+
+class _Stage:
+    """A float framebuffer of VTK's, whose depth has the format of the window's: VTK's mappers copy from it."""
+
+    def __init__(self, window: Any) -> None:
+        self._window = window
+        self._fbo: Any = None
+        self.size = (0, 0)
+        self.color: Any = None
+        self.depth: Any = None
+
+    def prepare(self, frame: Frame) -> None:
+        """The size of the frame; transparent, and as deep as the opaque scene."""
+        if self.size != frame.size:
+            self._make(frame)
+        gl = frame.gpu.gl
+        state = self._window.GetState()
+        state.PushFramebufferBindings()
+        self._fbo.Bind()
+        # not released: that would delete VTK's framebuffer
+        bound = gl.detect_framebuffer()
+        bound.use()
+        gl.viewport = (0, 0, *frame.size)
+        gl.scissor = None
+        bound.depth_mask = True
+        bound.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        if frame.scene_depth is not None:
+            _write_depth(frame, frame.scene_depth)
+        frame.target.fbo.use()
+        state.ResetFramebufferBindings()
+        state.PopFramebufferBindings()
+
+    def _make(self, frame: Frame) -> None:
+        self.release()
+        window, (width, height) = self._window, frame.size
+        self._fbo = vtk.vtkOpenGLFramebufferObject()
+        self._fbo.SetContext(window)
+        state = window.GetState()
+        state.PushFramebufferBindings()
+        self._fbo.PopulateFramebuffer(
+            width, height, True, 1, _VTK_FLOAT, True,
+            window.GetRenderBufferTargetDepthSize(), 0, bool(window.GetStencilCapable()),
+        )  # fmt: skip
+        state.PopFramebufferBindings()
+        gl = frame.gpu.gl
+        self.size = frame.size
+        color = self._fbo.GetColorAttachmentAsTextureObject(0).GetHandle()
+        depth = self._fbo.GetDepthAttachmentAsTextureObject().GetHandle()
+        self.color = gl.external_texture(color, frame.size, 4, 0, "f4")
+        self.depth = gl.external_texture(depth, frame.size, 1, 0, "f4")
+        for texture in (self.color, self.depth):
+            texture.filter = (gl.NEAREST, gl.NEAREST)
+
+    def bind(self) -> None:
+        """Draw into it from now on; VTK must know the state of OpenGL."""
+        self._fbo.Bind()
+
+    def copy_to(self, frame: Frame, *, depth: bool) -> None:
+        """Its picture into the frame's target, whose framebuffer is bound; its depth as well on request."""
+        gpu, gl = frame.gpu, frame.gpu.gl
+        program = gpu.programs.get(
+            GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": False, "SCENE_DEPTH": False}
+        )
+        program.set({"u_picture_size": tuple(float(n) for n in frame.size)})
+        program.use_texture("t_picture", self.color)
+        gl.enable_only(moderngl.NOTHING)
+        gpu.draw_fullscreen(program)
+        if depth:
+            _write_depth(frame, self.depth)
+
+    def release(self) -> None:
+        """Release the framebuffer; the context is current."""
+        if self._fbo is not None:
+            self._fbo.ReleaseGraphicsResources(self._window)
+        self._fbo = self.color = self.depth = None
+        self.size = (0, 0)
+
+
+class PropDrawing:
+    """An image technique that lets VTK draw the props of a `PropTechnique`.
+
+    Parameters
+    ----------
+    technique : PropTechnique
+        Makes the props.
+    window : vtkRenderWindow
+        Whose context draws.
+    camera : callable
+        Gives the `vtkCamera` of the plotter's renderer.
+    """
+
+    def __init__(self, technique: PropTechnique, window: Any, camera: Any) -> None:
+        self._technique = technique
+        self._window = window
+        self._camera = camera
+        # the one for full pictures, and the one for those in between
+        self._stages = {False: _Stage(window), True: _Stage(window)}
+        self._renderer = vtk.vtkRenderer()
+        self._renderer.SetRenderWindow(window)
+        self._renderer.EraseOff()
+        self._renderer.AutomaticLightCreationOff()
+        self._light = vtk.vtkLight()
+        # from 90 degrees on it is no cone
+        self._light.SetConeAngle(180.0)
+        self._renderer.AddLight(self._light)
+        self._chunks = 0
+
+    @property
+    def writes_depth(self) -> bool:
+        """Whether the depth of the picture counts (surfaces)."""
+        return self._technique.writes_depth
+
+    @property
+    def within_tiles(self) -> bool:
+        """Whether nothing is drawn outside the tiles."""
+        return self._technique.within_tiles
+
+    @property
+    def notice(self) -> str:
+        """What the picture shows differently from what was asked for."""
+        return str(getattr(self._technique, "notice", ""))
+
+    def plan(self, frame: Frame) -> int:
+        """One chunk per tile where the props can be cut, else one; 0 while a worker prepares them."""
+        if not self._technique.prepare(frame):
+            return 0
+        self._stages[frame.interactive].prepare(frame)
+        self._chunks = max(len(frame.tiles), 1) if self._technique.by_tiles else 1
+        return self._chunks
+
+    def draw(self, frame: Frame, chunk: int) -> None:
+        """Let VTK draw one piece; with the last one the picture is complete."""
+        stage = self._stages[frame.interactive]
+        if frame.tiles:
+            tile = frame.tiles[chunk] if self._technique.by_tiles else (0, 0, *frame.size)
+            self._draw_props(frame, stage, tile)
+            self._technique.check()
+        if chunk == self._chunks - 1:
+            stage.copy_to(frame, depth=self._technique.writes_depth)
+
+    def _draw_props(self, frame: Frame, stage: _Stage, tile: tuple[int, int, int, int]) -> None:
+        window, renderer, camera = self._window, self._renderer, self._camera()
+        state = window.GetState()
+        # what was drawn before went past VTK
+        window.GetShaderCache().ReleaseCurrentShader()
+        state.Reset()
+        state.PushFramebufferBindings()
+        tiles = window.GetTileViewport()
+        window.SetTileViewport(0.0, 0.0, 1.0, 1.0)
+        try:
+            stage.bind()
+            self._use_defaults(state)
+            width, height = window.GetSize()
+            renderer.SetViewport(0.0, 0.0, frame.size[0] / width, frame.size[1] / height)
+            if renderer.GetActiveCamera() is not camera:
+                renderer.SetActiveCamera(camera)
+            self._place_light(frame)
+            renderer.UpdateLights()
+            camera.Render(renderer)
+            state.vtkglScissor(*tile)
+            for prop in self._technique.props:
+                if prop.IsA("vtkVolume"):
+                    prop.RenderVolumetricGeometry(renderer)
+                else:
+                    prop.RenderOpaqueGeometry(renderer)
+        finally:
+            window.SetTileViewport(*tiles)
+            window.GetShaderCache().ReleaseCurrentShader()
+            state.PopFramebufferBindings()
+            frame.target.fbo.use()
+            frame.gpu.gl.viewport = (0, 0, *frame.size)
+            frame.gpu.gl.scissor = None
+
+    @staticmethod
+    def _use_defaults(state: Any) -> None:
+        """The state in which VTK's renderer draws its props."""
+        state.vtkglEnable(_GL_BLEND)
+        state.vtkglBlendFuncSeparate(_GL_SRC_ALPHA, _GL_ONE_MINUS_SRC_ALPHA, _GL_ONE, _GL_ONE_MINUS_SRC_ALPHA)
+        state.vtkglEnable(_GL_DEPTH_TEST)
+        state.vtkglDepthFunc(_GL_LEQUAL)
+        state.vtkglDepthMask(True)
+        state.vtkglColorMask(True, True, True, True)
+        state.vtkglDisable(_GL_CULL_FACE)
+
+    def _place_light(self, frame: Frame) -> None:
+        self._light.SetColor(*frame.light_color)
+        # volumes know a light at the eye of their own, lit without it as if they had no ambient part
+        if frame.headlight and any(prop.IsA("vtkVolume") for prop in self._technique.props):
+            self._light.SetLightTypeToHeadlight()
+            self._light.PositionalOff()
+        else:
+            self._light.SetLightTypeToSceneLight()
+            self._light.PositionalOn()
+            self._light.SetPosition(*light_place(frame))
+            self._light.SetFocalPoint(*frame.volume.center)
+        self._renderer.UpdateLightsGeometryToFollowCamera()
+
+    def release(self) -> None:
+        """Release what VTK and we hold on the GPU; the context is current."""
+        self._technique.release(self._window)
+        for stage in self._stages.values():
+            stage.release()
+        self._renderer.RemoveAllLights()
+        self._renderer.SetActiveCamera(None)
+        self._renderer.SetRenderWindow(None)
+
+
+def _write_depth(frame: Frame, depth: Any) -> None:
+    """Window depth from a texture into the bound framebuffer, where it is not the far plane."""
+    gpu, gl = frame.gpu, frame.gpu.gl
+    program = gpu.programs.get(GLSL / "fullscreen.vert", GLSL / "depth_out.frag")
+    program.use_texture("t_picture_depth", depth)
+    # colours stay by blending, as where pictures are put over VTK's
+    gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+    gl.blend_func = (moderngl.ZERO, moderngl.ONE)
+    gl.depth_func = "<="
+    gpu.draw_fullscreen(program)
+    gl.depth_func = "<"
+    gl.enable_only(moderngl.NOTHING)

@@ -1,0 +1,80 @@
+"""A volume as VTK's image, placed in the world by a matrix of the prop.
+
+The image lies in its own frame, at the origin and without a direction: not all of VTK's mappers know the direction
+matrix, all know the matrix of their prop. A left-handed lattice is mirrored along its first axis, since a prop with a
+mirroring matrix shows its back faces.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.custom_gl.vtk_props import border as vtk
+
+if TYPE_CHECKING:
+    from volviz.model.volume import Volume
+
+Matrix = npt.NDArray[np.float64]
+
+
+class PlacedImage:
+    """A volume for VTK's mappers.
+
+    Attributes
+    ----------
+    volume : Volume
+        What it was made from.
+    image : vtkImageData
+        Scalars and spacing; shares the memory of the volume where it can.
+    to_world : ndarray of shape (4, 4)
+        From the image's own coordinates (x, y, z), in world units, to the world: a turn and a shift.
+    mirrored : bool
+        The first axis runs the other way.
+    """
+
+    def __init__(self, volume: Volume) -> None:
+        self.volume = volume
+        self.mirrored = bool(np.linalg.det(volume.direction) < 0)
+        # held for as long as VTK reads its memory
+        self._scalars = _scalars(volume, mirrored=self.mirrored)
+        self.image = vtk.vtkImageData()
+        self.image.SetDimensions(*volume.dimensions)
+        self.image.SetSpacing(*volume.spacing)
+        scalars = vtk.numpy_to_vtk(
+            self._scalars.reshape(-1), deep=False, array_type=vtk.get_vtk_array_type(self._scalars.dtype)
+        )
+        scalars.SetName("scalars")
+        self.image.GetPointData().SetScalars(scalars)
+        self.to_world = np.eye(4)
+        self.to_world[:3, :3] = volume.direction
+        self.to_world[:3, 3] = volume.origin
+        if self.mirrored:
+            self.to_world[:3, 3] += volume.direction[:, 0] * volume.extent[0]
+            self.to_world[:3, 0] *= -1.0
+
+    @property
+    def matrix(self) -> Any:
+        """`to_world` as a vtkMatrix4x4."""
+        matrix = vtk.vtkMatrix4x4()
+        matrix.DeepCopy(self.to_world.ravel())
+        return matrix
+
+
+def _scalars(volume: Volume, *, mirrored: bool) -> npt.NDArray[Any]:
+    """The scalars in a type that all mappers take, as memory that VTK accepts; it only reads it."""
+    array = volume.array
+    if array.dtype.kind == "f" and volume.nonfinite_count:
+        array = np.where(np.isfinite(array), array, array.dtype.type(volume.range[0]))
+    elif array.dtype.kind in "iu" and array.dtype.itemsize == 8:
+        array = array.astype(np.float64)
+    if mirrored:
+        array = np.ascontiguousarray(array[:, :, ::-1])
+    if array.flags.writeable:
+        return array
+    # VTK refuses memory that is marked read-only, also for reading
+    memory = (ctypes.c_char * array.nbytes).from_address(array.ctypes.data)
+    return np.frombuffer(memory, array.dtype).reshape(array.shape)

@@ -1,0 +1,132 @@
+"""What VTK's volume mappers have in common as techniques."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from volviz.custom_gl.vtk_props import border as vtk
+from volviz.custom_gl.vtk_props.clipping import Plane, image_box, set_planes, shown_part
+from volviz.custom_gl.vtk_props.functions import set_functions
+from volviz.custom_gl.vtk_props.images import PlacedImage
+from volviz.errors import RenderError
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.technique import Frame
+
+#: Clip planes that the mappers take.
+MAX_PLANES = 8
+
+_BLEND = {"composite": 0, "maximum": 1, "minimum": 2, "average": 3, "additive": 4}
+
+
+class ErrorWords:
+    """Keeps what a VTK object complains about, which VTK would only print."""
+
+    def __init__(self, *objects: Any) -> None:
+        self._words: list[str] = []
+        for item in objects:
+            item.AddObserver("ErrorEvent", self._note)
+
+    def _note(self, _caller: Any, _event: str, words: str = "") -> None:
+        self._words.append(words.strip().splitlines()[-1] if words else "no words")
+
+    _note.CallDataType = "string0"  # type: ignore[attr-defined]
+
+    def raise_any(self, what: str) -> None:
+        """Raise the first complaint.
+
+        Raises
+        ------
+        RenderError
+            There was one.
+        """
+        if self._words:
+            words = self._words[0]
+            self._words.clear()
+            raise RenderError(f"{what} could not draw this volume: {words}")
+
+
+class VolumeProp:
+    """A `vtkVolume` with one of VTK's mappers.
+
+    Parameters
+    ----------
+    mapper : vtkVolumeMapper
+        Draws it.
+    """
+
+    writes_depth = False
+    within_tiles = True
+    #: The host may draw it piece by piece, through a scissor box.
+    by_tiles = True
+
+    def __init__(self, mapper: Any) -> None:
+        self.mapper = mapper
+        self.prop = vtk.vtkVolume()
+        self.property = vtk.vtkVolumeProperty()
+        self.prop.SetMapper(mapper)
+        self.prop.SetProperty(self.property)
+        self.errors = ErrorWords(mapper, self.prop)
+        self._placed: PlacedImage | None = None
+        self._function: Any = None
+        self._planes: list[Plane] = []
+
+    @property
+    def props(self) -> tuple[Any, ...]:
+        """The volume."""
+        return (self.prop,)
+
+    def prepare(self, frame: Frame) -> bool:
+        """Take the values of a frame; always ready."""
+        placed = self._place(frame)
+        if self._function is not frame.transfer_function:
+            self._function = frame.transfer_function
+            set_functions(self.property, frame.transfer_function, frame.volume.range)
+        settings = frame.settings
+        self.property.SetScalarOpacityUnitDistance(frame.unit_distance)
+        self.property.SetInterpolationType(0 if settings.interpolation == "nearest" else 1)
+        self.property.SetShade(bool(getattr(settings, "shading", False)))
+        self.property.SetAmbient(settings.ambient)
+        self.property.SetDiffuse(settings.diffuse)
+        self.property.SetSpecular(settings.specular)
+        self.property.SetSpecularPower(settings.shininess)
+        self.mapper.SetBlendMode(_BLEND[getattr(settings, "mode", "composite")])
+        self._clip(frame, placed)
+        self.sample(frame)
+        return True
+
+    def sample(self, frame: Frame) -> None:
+        """Set what is special to the mapper: where it samples."""
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """Raise what VTK complained about while it drew."""
+        self.errors.raise_any(self.mapper.GetClassName())
+
+    def release(self, window: Any) -> None:
+        """Release what lies on the GPU; the context is current."""
+        self.prop.ReleaseGraphicsResources(window)
+        self.mapper.RemoveAllInputs()
+        self._placed = None
+
+    def _place(self, frame: Frame) -> PlacedImage:
+        if self._placed is None or self._placed.volume is not frame.volume:
+            self._placed = PlacedImage(frame.volume)
+            self._function = None
+            self.mapper.SetInputData(self._placed.image)
+            self.prop.SetUserMatrix(self._placed.matrix)
+        return self._placed
+
+    def _clip(self, frame: Frame, placed: PlacedImage) -> None:
+        """Planes where they suffice: rays begin at them. The cropping region only leaves samples out."""
+        planes = shown_part(frame)
+        cropping = len(planes) > MAX_PLANES
+        self.mapper.SetCropping(cropping)
+        if cropping:
+            planes = list(frame.planes)
+            self.mapper.SetCroppingRegionPlanes(*image_box(frame, mirrored=placed.mirrored))
+            self.mapper.SetCroppingRegionFlagsToSubVolume()
+        if planes != self._planes:
+            # only then: VTK makes its shader anew
+            set_planes(self.mapper, planes)
+            self._planes = planes
