@@ -132,7 +132,9 @@ def test_opaque_meshes_hide_vtks_volume_and_are_hidden_by_it() -> None:
         plotter = pyvista.Plotter(off_screen=True, window_size=SIZE)
         plotter.render_window.SetMultiSamples(0)
         try:
-            plotter.add_mesh(pyvista.Sphere(radius=5.0, center=(x + 2, y - 3, z)), color="white", lighting=False)
+            plotter.add_mesh(
+                pyvista.Sphere(radius=5.0, center=(x + 2, y - 3, z)), color="white", lighting=False
+            )
             handle = volviz.add_volume(plotter, of, technique, transfer_function=transfer, **values)
             apply_camera(plotter.camera, camera(of))
             plotter.reset_camera_clipping_range()

@@ -12,9 +12,7 @@ if TYPE_CHECKING:
 JUMP = 1.0 / 16384
 
 
-def set_functions(
-    prop: Any, function: TransferFunction, data_range: tuple[float, float]
-) -> None:
+def set_functions(prop: Any, function: TransferFunction, data_range: tuple[float, float]) -> None:
     """Give a `vtkVolumeProperty` colours and opacities.
 
     Parameters

@@ -30,7 +30,7 @@ class VtkSamplingSettings:
         SamplingSettings,
         "mode",
         choices=VTK_MODES,
-        tooltip="What is made of the samples along a ray. Average and additive are the mean and the sum of scalar times "
+        tooltip="What is made of the samples along a ray. Average and additive are mean and sum of scalar times "
         "opacity, in grey and opaque, other than ours.",
     )
     step: float = taken_from(SamplingSettings, "step")
