@@ -76,5 +76,5 @@ def _scalars(volume: Volume, *, mirrored: bool) -> npt.NDArray[Any]:
     if array.flags.writeable:
         return array
     # VTK refuses memory that is marked read-only, also for reading
-    memory = (ctypes.c_char * array.nbytes).from_address(array.ctypes.data)
-    return np.frombuffer(memory, array.dtype).reshape(array.shape)
+    memory = memoryview((ctypes.c_char * array.nbytes).from_address(array.ctypes.data)).cast("B")
+    return np.asarray(np.frombuffer(memory, array.dtype).reshape(array.shape))
