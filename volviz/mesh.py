@@ -1,34 +1,40 @@
-"""Meshes for VTK: isosurfaces of a volume as ``pyvista.PolyData`` in world units, and their way to a file."""
+"""Meshes for VTK: isosurfaces of a volume as ``pyvista.PolyData`` in world units, filters, figures."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from volviz import environment
-from volviz.errors import InputError, VolvizError
+from volviz.errors import InputError
 from volviz.kernels.marching import keep_components, marching_cubes
 from volviz.kernels.marching.surface import face_normals
+from volviz.mesh_files import MESH_FORMATS, save_mesh
 
 environment.prepare()
 
 import pyvista  # noqa: E402
 from vtkmodules.util.numpy_support import numpy_to_vtk  # noqa: E402
 from vtkmodules.vtkCommonCore import vtkPoints  # noqa: E402
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkMultiBlockDataSet  # noqa: E402
-from vtkmodules.vtkIOGeometry import vtkGLTFWriter  # noqa: E402
+from vtkmodules.vtkCommonDataModel import vtkCellArray  # noqa: E402
 
 if TYPE_CHECKING:
     from volviz.model.volume import Volume
 
+__all__ = [
+    "MESH_FORMATS",
+    "extract_isosurface",
+    "mesh_area_volume",
+    "polydata",
+    "save_mesh",
+    "triangle_arrays",
+]
+
 Array = npt.NDArray[Any]
 
-#: Endings that `save_mesh` knows.
-MESH_FORMATS = (".stl", ".ply", ".obj", ".vtp", ".gltf")
 #: Share of the triangles that decimation may remove at most; beyond it nothing recognisable is left.
 MOST_DECIMATION = 0.99
 
@@ -180,61 +186,6 @@ def _refined(
     if normals == "flat":
         return polydata(vertices, faces, face_normals(vertices, faces), flat=True)
     return polydata(vertices, faces, None if normals is None else shading)
-
-
-def save_mesh(mesh: pyvista.PolyData, path: str | Path) -> None:
-    """Write a mesh to a file in world coordinates; the ending chooses the format.
-
-    Parameters
-    ----------
-    mesh : pyvista.PolyData
-        Triangles.
-    path : str or Path
-        Ends in .stl, .ply (both binary), .obj, .vtp or .gltf. An existing file is replaced.
-
-    Raises
-    ------
-    InputError
-        Another ending, or a mesh without triangles.
-    VolvizError
-        The file cannot be written.
-    """
-    target = Path(path)
-    ending = target.suffix.lower()
-    if ending not in MESH_FORMATS:
-        raise InputError(
-            f"{target.name}: a mesh is written as {', '.join(MESH_FORMATS)}; choose one of these endings."
-        )
-    if not mesh.n_cells:
-        raise InputError(
-            f"{target.name}: the mesh is empty, so nothing was written; choose another isovalue."
-        )
-    if not target.parent.is_dir():
-        raise VolvizError(f"{target}: the folder {target.parent} does not exist; create it first.")
-    try:
-        target.touch()
-    except OSError as error:
-        raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
-    if ending == ".gltf":
-        _save_gltf(mesh, target)
-    else:
-        mesh.save(target)
-    if not target.stat().st_size:
-        raise VolvizError(f"{target}: nothing could be written; check the free space.")
-
-
-def _save_gltf(mesh: pyvista.PolyData, target: Path) -> None:
-    """Write one self-contained glTF 2.0 file; the writer wants blocks of blocks."""
-    inner, outer = vtkMultiBlockDataSet(), vtkMultiBlockDataSet()
-    inner.SetBlock(0, mesh)
-    outer.SetBlock(0, inner)
-    writer = vtkGLTFWriter()
-    writer.SetFileName(str(target))
-    writer.SetInputData(outer)
-    writer.SetInlineData(True)
-    writer.SetSaveNormal(mesh.GetPointData().GetNormals() is not None)
-    writer.SetSaveTextures(False)
-    writer.Write()
 
 
 def mesh_area_volume(mesh: pyvista.PolyData) -> tuple[float, float]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from volviz import Volume
+from volviz.cli import main
 from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.errors import Cancelled, InputError, VolvizError
 from volviz.kernels.marching import marching_cubes
@@ -148,6 +149,87 @@ def test_a_written_file_is_read_back_by_another_library(volume, tmp_path, ending
     # Formats may renumber vertices: the triangles are compared as positions, in their orientation.
     assert np.allclose(_sorted(vertices[faces]), _sorted(wanted[triangles]), atol=2e-5)
     assert mesh_metrics(vertices, faces).volume == pytest.approx(mesh_area_volume(mesh)[1], rel=1e-5)
+
+
+@pytest.mark.parametrize("ending", [".stl", ".ply", ".obj", ".vtp"])
+def test_a_second_library_reads_the_same_triangles(volume, tmp_path, ending):
+    mesh = extract_isosurface(volume, 0.0, stride=3)
+    path = tmp_path / f"ball{ending}"
+    save_mesh(mesh, path)
+    if ending == ".vtp":
+        # an XML file of VTK's: its header names all that is in it
+        head = path.read_bytes()[:2000]
+        assert f'NumberOfPolys="{mesh.n_cells}"'.encode() in head
+        return
+    meshio = pytest.importorskip("meshio")
+    # meshio tells the type of a file on the terminal in some versions; only what it returns counts
+    found = meshio.read(path)
+    triangles = np.concatenate([block.data for block in found.cells if block.type == "triangle"])
+    wanted, faces = triangle_arrays(mesh)
+    assert np.allclose(_sorted(found.points[triangles]), _sorted(wanted[faces]), atol=2e-5)
+
+
+def test_binary_gltf_is_one_file_and_smaller_than_text(volume, tmp_path):
+    mesh = extract_isosurface(volume, 0.0)
+    for ending in (".gltf", ".glb"):
+        save_mesh(mesh, tmp_path / f"ball{ending}")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["ball.glb", "ball.gltf"]
+    assert (tmp_path / "ball.glb").read_bytes()[:4] == b"glTF"
+    assert (tmp_path / "ball.glb").stat().st_size < 0.8 * (tmp_path / "ball.gltf").stat().st_size
+
+
+def test_a_left_handed_volume_is_written_facing_outward(tmp_path):
+    mirrored = ball(16, spacing=(1.0, 2.0, 3.0), direction=np.diag([1.0, 1.0, -1.0]))
+    for ending in MESH_FORMATS:
+        path = tmp_path / f"ball{ending}"
+        save_mesh(extract_isosurface(mirrored, 0.0), path)
+        vertices, faces = _read(path)
+        assert mesh_metrics(vertices, faces).volume > 0, ending
+        assert vertices[:, 2].max() < 0, ending
+
+
+def test_a_cancelled_file_leaves_the_old_one(volume, tmp_path):
+    mesh = extract_isosurface(volume, 0.0)
+    for ending in MESH_FORMATS:
+        path = tmp_path / f"ball{ending}"
+        path.write_bytes(b"precious")
+        with pytest.raises(Cancelled):
+            save_mesh(mesh, path, cancel=lambda: True)
+        assert path.read_bytes() == b"precious"
+    assert len(list(tmp_path.iterdir())) == len(MESH_FORMATS), "parts of files were left behind"
+
+
+def test_an_existing_file_is_protected_on_request(volume, tmp_path):
+    mesh = extract_isosurface(volume, 0.0)
+    path = tmp_path / "ball.ply"
+    path.write_bytes(b"precious")
+    with pytest.raises(InputError, match="exists already"):
+        save_mesh(mesh, path, overwrite=False)
+    assert path.read_bytes() == b"precious"
+    path.write_bytes(b"")
+    save_mesh(mesh, path, overwrite=False)
+    assert path.stat().st_size > 1000
+
+
+def test_writing_tells_how_far_it_is(volume, tmp_path):
+    seen = []
+    save_mesh(extract_isosurface(volume, 0.0), tmp_path / "ball.vtp", progress=seen.append)
+    assert seen[-1] == 1.0
+    assert seen == sorted(seen)
+
+
+def test_the_command_line_keeps_what_is_there_unless_told(volume, tmp_path, capsys):
+    source, target = tmp_path / "ball.npy", tmp_path / "ball.glb"
+    np.save(source, volume.array)
+    target.write_bytes(b"precious")
+    command = ["isosurface", str(source), "--isovalue", "0", "-o", str(target)]
+    assert main(command) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert target.read_bytes() == b"precious"
+    assert main([*command, "--overwrite", "--largest-part", "--decimate", "0.5"]) == 0
+    assert "triangles" in capsys.readouterr().out
+    vertices, faces = _read(target)
+    assert mesh_metrics(vertices, faces).volume > 0
 
 
 def _read(path):

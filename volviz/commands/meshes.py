@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +35,9 @@ def add_commands(commands: Any) -> None:
         "--decimate", type=float, default=0.0, metavar="SHARE", help="triangles to remove, 0..1"
     )
     isosurface.add_argument(
-        "-o", "--output", required=True, metavar="FILE", help=".stl, .ply, .obj, .vtp, .gltf"
+        "-o", "--output", required=True, metavar="FILE", help=".stl, .ply, .obj, .vtp, .gltf, .glb"
     )
+    isosurface.add_argument("--overwrite", action="store_true", help="replace an existing file")
     isosurface.set_defaults(run=run_isosurface)
 
     crosscheck = commands.add_parser(
@@ -50,22 +53,24 @@ def add_commands(commands: Any) -> None:
 
 def run_isosurface(options: argparse.Namespace) -> int:
     """Extract, filter and write a mesh."""
-    from volviz.mesh import extract_isosurface, mesh_area_volume, save_mesh
+    from volviz.mesh import extract_isosurface, mesh_area_volume
+    from volviz.mesh_files import check_mesh_target, save_mesh
 
-    output = Path(options.output).expanduser()
-    if not output.absolute().parent.is_dir():
-        raise InputError(f"{output}: there is no folder {output.absolute().parent}; make it first.")
+    output = check_mesh_target(Path(options.output).expanduser(), overwrite=options.overwrite)
+    told = Progress(output.name)
     volume = load_input(options)
     mesh = extract_isosurface(
         volume, options.isovalue, method=options.method, stride=options.stride, largest_part=options.largest_part,
         min_triangles=options.min_triangles, smooth=options.smooth, decimate=options.decimate,
+        progress=told.part(0.0, 0.8),
     )  # fmt: skip
     if mesh.n_cells == 0:
         low, high = volume.range
         raise InputError(
             f"{volume.name} has no surface at {options.isovalue:g}; its values lie between {low:g} and {high:g}."
         )
-    save_mesh(mesh, output)
+    save_mesh(mesh, output, overwrite=options.overwrite, progress=told.part(0.8, 1.0))
+    told.end()
     area, enclosed = mesh_area_volume(mesh)
     _say(f"{output}: {mesh.n_cells} triangles, {mesh.n_points} vertices, area {area:g}, volume {enclosed:g}")
     return 0
@@ -78,6 +83,36 @@ def run_crosscheck(options: argparse.Namespace) -> int:
     report = crosscheck(load_input(options), options.isovalue)
     _say(report.format())
     return 0 if report.is_explained else 1
+
+
+class Progress:
+    """How far a command is, on one line of a terminal that nobody reads by a program.
+
+    Parameters
+    ----------
+    what : str
+        What is being made.
+    """
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._shown = -1
+        self._seen = sys.stderr.isatty()
+
+    def part(self, begin: float, end: float) -> Callable[[float], None]:
+        """Progress of a part of the work, for whoever does it."""
+        return lambda fraction: self._show(begin + (end - begin) * fraction)
+
+    def _show(self, fraction: float) -> None:
+        percent = round(100 * fraction)
+        if self._seen and percent != self._shown:
+            self._shown = percent
+            print(f"\r{self._what}: {percent:3d} %", end="", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Take the line away."""
+        if self._seen and self._shown >= 0:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
 def _say(text: str) -> None:

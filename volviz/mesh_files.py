@@ -1,0 +1,187 @@
+"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, always in world coordinates.
+
+A file appears complete or not at all: it is written beside its place under another name and moved there at the
+end, so that a full disk, an error or a cancel leave what was there before.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from volviz import environment
+from volviz.errors import Cancelled, InputError, VolvizError
+
+environment.prepare()
+
+from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet  # noqa: E402
+from vtkmodules.vtkIOGeometry import vtkGLTFWriter, vtkOBJWriter, vtkSTLWriter  # noqa: E402
+from vtkmodules.vtkIOPLY import vtkPLYWriter  # noqa: E402
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter  # noqa: E402
+
+if TYPE_CHECKING:
+    import pyvista
+
+#: Endings that `save_mesh` knows, and what they are called.
+FORMAT_NAMES = {
+    ".stl": "STL, binary",
+    ".ply": "PLY, binary",
+    ".obj": "Wavefront OBJ",
+    ".vtp": "VTK PolyData",
+    ".gltf": "glTF, one text file",
+    ".glb": "glTF, binary",
+}
+MESH_FORMATS = tuple(FORMAT_NAMES)
+
+
+def save_mesh(
+    mesh: pyvista.PolyData,
+    path: str | Path,
+    *,
+    overwrite: bool = True,
+    progress: Callable[[float], object] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> None:
+    """Write a mesh to a file in world coordinates; the ending chooses the format.
+
+    Parameters
+    ----------
+    mesh : pyvista.PolyData
+        Triangles.
+    path : str or Path
+        Ends in .stl, .ply, .glb (binary), .obj, .vtp or .gltf (one file, its data inside).
+    overwrite : bool, default: True
+        Whether an existing file is replaced; an empty one always is.
+    progress : callable, optional
+        Called with the written fraction, 0..1, as far as VTK's writer of the format tells it.
+    cancel : callable, optional
+        When it returns True the work ends with `Cancelled` and without a file.
+
+    Raises
+    ------
+    InputError
+        Another ending, a mesh without triangles, or an existing file that is not to be replaced.
+    VolvizError
+        The file cannot be written.
+    Cancelled
+        `cancel` returned True.
+    """
+    target = check_mesh_target(path, overwrite=overwrite)
+    if not mesh.n_cells:
+        raise InputError(
+            f"{target.name}: the mesh is empty, so nothing was written; choose another isovalue."
+        )
+    part = _beside(target)
+    try:
+        _write(mesh, part, progress, cancel)
+        if cancel is not None and cancel():
+            raise Cancelled(f"Writing {target.name} was cancelled.")
+        if not part.stat().st_size:
+            raise VolvizError(f"{target}: nothing could be written; check the free space.")
+        os.replace(part, target)
+    except OSError as error:
+        raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
+    """The path, if a mesh can be written there; asked before long work as well.
+
+    Raises
+    ------
+    InputError
+        An unknown ending, or an existing file that is not to be replaced.
+    VolvizError
+        There is no such folder, or it cannot be written to.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in MESH_FORMATS:
+        raise InputError(
+            f"{target.name}: a mesh is written as {', '.join(MESH_FORMATS)}; choose one of these endings."
+        )
+    if not target.parent.is_dir():
+        raise VolvizError(f"{target}: the folder {target.parent} does not exist; create it first.")
+    if target.is_dir():
+        raise VolvizError(f"{target}: this is a folder; choose the name of a file.")
+    if target.exists():
+        if not overwrite and target.stat().st_size:
+            raise InputError(
+                f"{target}: the file exists already; choose another name or allow it to be overwritten."
+            )
+        if not os.access(target, os.W_OK):
+            raise VolvizError(f"{target}: the file is protected; choose another name.")
+    if not os.access(target.parent, os.W_OK):
+        raise VolvizError(f"{target}: nothing can be written into this folder; choose another one.")
+    return target
+
+
+def _beside(target: Path) -> Path:
+    """A new, empty file in the same folder."""
+    part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix.lower()}")
+    try:
+        # not tempfile: its files are the user's alone, these get the rights that a new file of the user has
+        part.open("xb").close()
+        if target.exists():
+            part.chmod(target.stat().st_mode & 0o777)
+    except OSError as error:
+        raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
+    return part
+
+
+def _write(
+    mesh: pyvista.PolyData,
+    path: Path,
+    progress: Callable[[float], object] | None,
+    cancel: Callable[[], bool] | None,
+) -> None:
+    writer = _writer(mesh, path.suffix)
+    writer.SetFileName(str(path))
+    furthest = 0.0
+
+    def told(_writer: Any, _event: str) -> None:
+        nonlocal furthest
+        # some writers tell the end of each part as the end of all
+        if progress is not None and furthest < writer.GetProgress() < 1.0:
+            furthest = writer.GetProgress()
+            progress(furthest)
+        if cancel is not None and cancel():
+            writer.SetAbortExecute(True)
+
+    observer = writer.AddObserver("ProgressEvent", told)
+    try:
+        writer.Write()
+    finally:
+        writer.RemoveObserver(observer)
+    if progress is not None:
+        progress(1.0)
+
+
+def _writer(mesh: pyvista.PolyData, ending: str) -> Any:
+    """VTK's writer of a format, with the mesh as its input."""
+    if ending in (".gltf", ".glb"):
+        # it wants blocks of blocks, and writes binary files by their ending
+        inner, outer = vtkMultiBlockDataSet(), vtkMultiBlockDataSet()
+        inner.SetBlock(0, mesh)
+        outer.SetBlock(0, inner)
+        scene = vtkGLTFWriter()
+        scene.SetInputData(outer)
+        scene.SetInlineData(True)
+        scene.SetSaveNormal(mesh.GetPointData().GetNormals() is not None)
+        scene.SetSaveTextures(False)
+        return scene
+    writer: Any
+    if ending == ".vtp":
+        writer = vtkXMLPolyDataWriter()
+        # the higher levels take several times as long for a tenth less
+        writer.SetCompressionLevel(1)
+    elif ending == ".obj":
+        writer = vtkOBJWriter()
+    else:
+        writer = vtkSTLWriter() if ending == ".stl" else vtkPLYWriter()
+        writer.SetFileTypeToBinary()
+    writer.SetInputData(mesh)
+    return writer
