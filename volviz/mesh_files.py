@@ -81,7 +81,7 @@ def save_mesh(
             raise Cancelled(f"Writing {target.name} was cancelled.")
         if not part.stat().st_size:
             raise VolvizError(f"{target}: nothing could be written; check the free space.")
-        os.replace(part, target)
+        part.replace(target)
     except OSError as error:
         raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
     finally:
