@@ -142,6 +142,14 @@ class Actions(QObject):
                 ("bar", tr("&Colour bar"), "C", "", tr("Colours of the values")),
             )
         }
+        self.handles = self._make(
+            tr("&Handles"),
+            views.show_handles,
+            "H",
+            "",
+            tr("Knobs in the picture that move the light and the cut plane, where the technique has them"),
+            checkable=True,
+        )
         self.full_screen = self._make(
             tr("&Full screen"),
             w.set_full_screen,
@@ -256,6 +264,7 @@ class Actions(QObject):
                     *self.axis_views,
                     self.parallel,
                     *self.scenery.values(),
+                    self.handles,
                     self.full_screen,
                 ],
             ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
@@ -22,6 +23,7 @@ from volviz_ui.viewport import Viewport
 BUTTON_POLL_MS = 40
 """How often it is asked whether a drag in a panel is over."""
 
+HANDLE_GESTURE = "handle"
 AddVolume = Callable[..., Any]
 
 
@@ -70,6 +72,7 @@ class Display(QObject):
         self._view = view
         self._share = 1.0
         self._quality = "balanced"
+        self._shows_handles = True
         self._last_error: BaseException | None = None
         self.handle: Any = None
         self.pacer = Pacer(self)
@@ -84,6 +87,8 @@ class Display(QObject):
         viewport.camera_committed.connect(self._on_camera_committed)
         viewport.light_dragged.connect(self._on_light_dragged)
         viewport.light_wheeled.connect(self._on_light_wheeled)
+        viewport.handle_dragged.connect(self._on_handle_dragged)
+        viewport.handle_drag_cancelled.connect(lambda: store.cancel_gesture(HANDLE_GESTURE))
         viewport.frame_drawn.connect(self._on_frame_drawn)
 
     # ------------------------------------------------------------------ gestures
@@ -151,6 +156,22 @@ class Display(QObject):
             self._viewport.render()
 
     @property
+    def shows_handles(self) -> bool:
+        """Whether light and cut plane can be dragged in the picture, where the technique has them."""
+        return self._shows_handles
+
+    @shows_handles.setter
+    def shows_handles(self, on: bool) -> None:
+        self._shows_handles = on
+        self._show_handles()
+        self._viewport.render()
+
+    def _show_handles(self) -> None:
+        if self.handle is not None:
+            self.handle.show_handles(self._shows_handles, listens=False)
+            self._viewport.set_handles(self.handle.handles)
+
+    @property
     def status(self) -> Any:
         """What the host says about the last picture, None without one."""
         return None if self.handle is None else self.handle.status
@@ -193,6 +214,7 @@ class Display(QObject):
             self.handle.update(quality=self._quality)
             self.handle.share = self._share
             self.handle.on_status.append(self._status_arrived.emit)
+            self._show_handles()
         else:
             self.handle.update(volume=volume, **values)
         self._frame_scene(volume, scene)
@@ -277,9 +299,26 @@ class Display(QObject):
         radius = 0.5 * sum(length**2 for length in volume.extent) ** 0.5
         self._move_light(lambda position: light_moved(position, volume.center, factor, radius))
 
-    def _move_light(self, move: Callable[[Any], Any]) -> None:
-        from dataclasses import replace
+    def _on_handle_dragged(self, values: dict[str, Any]) -> None:
+        scene = self._store.scene
+        if "light" in values:
+            light = values["light"]
+            self._store.update(
+                lambda scene: replace(scene, light=light),
+                label=self.tr("Move the light"),
+                gesture=HANDLE_GESTURE,
+            )
+            return
+        info = current_technique(scene, self._view)
+        if isinstance(values.get("settings"), info.settings):
+            view = scene.views[self._view].with_settings(info.id, values["settings"])
+            self._store.update(
+                lambda scene: scene.with_view(self._view, settings=view.settings),
+                label=self.tr("Move the cut plane"),
+                gesture=HANDLE_GESTURE,
+            )
 
+    def _move_light(self, move: Callable[[Any], Any]) -> None:
         volume = self._documents.volume
         light = self._store.scene.light
         if volume is None:
@@ -307,6 +346,7 @@ class Display(QObject):
     def _remove(self) -> None:
         self.pacer.stop()
         if self.handle is not None:
+            self._viewport.set_handles(None)
             self.handle.remove()
             self.handle = None
 

@@ -143,8 +143,12 @@ class FileCommands(QObject):
 
     def copy_picture(self) -> None:
         """Put the viewport, as it is shown, on the clipboard."""
-        self._window.display.complete()
+        display = self._window.display
+        # knobs belong to the window, not to the picture
+        shown, display.shows_handles = display.shows_handles, False
+        display.complete()
         QApplication.clipboard().setImage(self._window.viewport.grabFramebuffer())
+        display.shows_handles = shown
         self._window.status_line.showMessage(self.tr("The picture is on the clipboard"), 3000)
 
     def copy_script(self) -> None:

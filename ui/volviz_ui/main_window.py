@@ -28,7 +28,6 @@ from volviz_ui.dock import Dock
 from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
 from volviz_ui.file_commands import FileCommands
 from volviz_ui.isovalue_markers import IsovalueMarkers
-from volviz_ui.light_mark import LightMark
 from volviz_ui.memory import return_freed_memory
 from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
@@ -145,11 +144,6 @@ class MainWindow(QMainWindow):
         """What stands around the volume in the first view."""
         return self.views.first.scenery
 
-    @property
-    def light_mark(self) -> LightMark:
-        """The mark of the light in the first view."""
-        return self.views.first.light_mark
-
     # ------------------------------------------------------------------ putting together
 
     def _make_docks(self) -> list[Dock]:
@@ -207,6 +201,9 @@ class MainWindow(QMainWindow):
             shown = self.preferences.shows(name, default)
             self.actions_.scenery[name].setChecked(shown)
             self.views.show_scenery(name, shown)
+        shown = self.preferences.shows("handles", True)
+        self.actions_.handles.setChecked(shown)
+        self.views.shows_handles = shown
         self.set_quality(self.preferences.quality)
         self.resize(1400, 900)
         self.reset_layout()

@@ -67,7 +67,7 @@ class Menus:
         axis.addActions(actions.axis_views)
         view.addAction(actions.parallel)
         view.addSeparator()
-        view.addActions(list(actions.scenery.values()))
+        view.addActions([*actions.scenery.values(), actions.handles])
         background = view.addMenu(window.tr("Back&ground"))
         for name, color in BACKGROUNDS:
             background.addAction(window.tr(name)).triggered.connect(

@@ -60,6 +60,11 @@ class ViewCommands(QObject):
         self._window.preferences.set_shows(name, on)
         self._window.views.show_scenery(name, on)
 
+    def show_handles(self, on: bool) -> None:
+        """Show or hide what can be dragged in the picture: light and cut plane."""
+        self._window.preferences.set_shows("handles", on)
+        self._window.views.shows_handles = on
+
     def set_background(self, color: tuple[float, float, float] | None, _checked: bool = False) -> None:
         """One colour behind the volume, or the usual gradient."""
         self._window.store.update(lambda scene: replace(scene, background=color), label=self.tr("Background"))

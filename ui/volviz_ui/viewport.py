@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
@@ -13,6 +13,9 @@ from pyvistaqt import QtInteractor
 
 from volviz.model.camera import Camera
 from volviz_ui.camera_moves import WHEEL_STEP, panned, rotated, zoomed
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.host.scene_handles import SceneHandles
 
 WHEEL_REST_MS = 250
 """A turn of the wheel is over when this long nothing more has come."""
@@ -25,6 +28,7 @@ class Drag(Enum):
     PAN = "pan"
     ZOOM = "zoom"
     LIGHT = "light"
+    HANDLE = "handle"
     FUNCTION = "function"
 
 
@@ -44,6 +48,9 @@ class Viewport(QtInteractor):
     """A button has gone down in the picture."""
     light_dragged = Signal(float, float)
     """Pixels right and down since the last time."""
+    handle_dragged = Signal(object)
+    """What has become of light or settings, by name."""
+    handle_drag_cancelled = Signal()
     light_wheeled = Signal(float)
     """Factor by which the light comes nearer."""
     function_drag_started = Signal()
@@ -67,6 +74,7 @@ class Viewport(QtInteractor):
         self.light_is_movable = False
         self.linked: list[Viewport] = [self]
         self._own_camera = self.renderer.camera
+        self.handles: SceneHandles | None = None
         self.frames = 0
         self.awaits_frame = False
         self._drag: Drag | None = None
@@ -213,6 +221,7 @@ class Viewport(QtInteractor):
             if self._drag is not None:
                 # the button was let go where nobody could tell us
                 self._end_drag(cancelled=False)
+            self._hover(event.position())
             self.pointer_moved.emit(event.position())
             return
         step = event.position() - self._last
@@ -227,6 +236,9 @@ class Viewport(QtInteractor):
             self._move_camera(panned(self.view_camera, dx, dy, size))
         elif self._drag is Drag.ZOOM:
             self._move_camera(zoomed(self.view_camera, WHEEL_STEP ** (-dy / 20)))
+        elif self._drag is Drag.HANDLE:
+            if self.handles is not None:
+                self.handle_dragged.emit(self.handles.drag(*self._pixel(event.position())))
         elif self._drag is Drag.FUNCTION:
             way = event.position() - self._start
             self.function_dragged.emit(way.x() / max(self.width(), 1), -way.y() / max(self.height(), 1))
@@ -268,11 +280,13 @@ class Viewport(QtInteractor):
 
     def leaveEvent(self, event: QEvent) -> None:
         """Nothing is under the pointer any more."""
+        if self.handles is not None and self._drag is None and self.handles.leave():
+            self._show_grip()
         self.pointer_left.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Escape cancels a drag of the transfer function; all other keys belong to the window."""
-        if event.key() == Qt.Key.Key_Escape and self._drag is Drag.FUNCTION:
+        """Escape cancels a drag of a handle or of the transfer function; all other keys belong to the window."""
+        if event.key() == Qt.Key.Key_Escape and self._drag in {Drag.FUNCTION, Drag.HANDLE}:
             self._end_drag(cancelled=True)
         else:
             event.ignore()
@@ -281,6 +295,46 @@ class Viewport(QtInteractor):
         """Keys belong to the window."""
         event.ignore()
 
+    # ------------------------------------------------------------------ handles
+
+    def _pixel(self, position: QPointF) -> tuple[float, float]:
+        """A place in device pixels, from the upper left."""
+        ratio = self.devicePixelRatioF()
+        return position.x() * ratio, position.y() * ratio
+
+    def _hover(self, position: QPointF) -> None:
+        if self.handles is not None:
+            self.handles.scale = self.devicePixelRatioF()
+            if self.handles.hover(*self._pixel(position)):
+                self._show_grip()
+
+    def _show_grip(self) -> None:
+        """Let pointer and picture say what can be dragged here."""
+        under = None if self.handles is None else self.handles.under
+        words = {
+            "light": self.tr("Drag to move the light"),
+            "plane": self.tr("Drag to push the plane along its normal"),
+            "normal": self.tr("Drag to tilt the plane"),
+        }
+        self.setToolTip(words.get(under or "", ""))
+        if under is None:
+            self.unsetCursor()
+        else:
+            held = self._drag is not None or QApplication.mouseButtons() != Qt.MouseButton.NoButton
+            self.setCursor(Qt.CursorShape.ClosedHandCursor if held else Qt.CursorShape.OpenHandCursor)
+        self.render()
+
+    def set_handles(self, handles: SceneHandles | None) -> None:
+        """The handles that are dragged here from now on, None for none."""
+        if self._drag is Drag.HANDLE:
+            self._end_drag(cancelled=False)
+        self.handles = handles
+        if handles is not None:
+            handles.scale = self.devicePixelRatioF()
+        self._show_grip()
+
+    # ------------------------------------------------------------------ meaning of a drag
+
     def _meaning(self, event: QMouseEvent) -> Drag:
         if event.button() == Qt.MouseButton.RightButton:
             return Drag.LIGHT if self.light_is_movable else Drag.ZOOM
@@ -288,6 +342,10 @@ class Viewport(QtInteractor):
             return Drag.ZOOM
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return Drag.FUNCTION
+        plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
+        if plain and self.handles is not None and self.handles.grab(*self._pixel(event.position())):
+            self._show_grip()
+            return Drag.HANDLE
         return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.ROTATE
 
     def _begin_move(self) -> None:
@@ -299,6 +357,12 @@ class Viewport(QtInteractor):
 
     def _end_drag(self, *, cancelled: bool) -> None:
         drag, self._drag = self._drag, None
+        if drag is Drag.HANDLE:
+            if cancelled and self._moving:
+                self.handle_drag_cancelled.emit()
+            if self.handles is not None:
+                self.handles.release()
+            self._show_grip()
         if drag is Drag.FUNCTION and self._moving:
             self.function_drag_ended.emit(cancelled)
         self._end_move()

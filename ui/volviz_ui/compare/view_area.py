@@ -15,7 +15,6 @@ from volviz_ui.compare.header import HEIGHT as HEADER
 from volviz_ui.compare.pane import BORDER, Pane
 from volviz_ui.display import AddVolume
 from volviz_ui.documents import Documents
-from volviz_ui.panels.technique_box import current_technique
 
 GAP = 4
 
@@ -56,6 +55,7 @@ class ViewArea(QWidget):
         self._volume: Volume | None = None
         self._function: TransferFunction | None = None
         self._quality = "balanced"
+        self._shows_handles = True
         self._closed = False
         self.panes: list[Pane] = []
         self._add_pane()
@@ -97,6 +97,7 @@ class ViewArea(QWidget):
             viewport.link_camera(self.first.viewport)
         self.panes.append(pane)
         display.quality = self._quality
+        display.shows_handles = self._shows_handles
         for name, on in self._shown.items():
             pane.scenery.show(name, on)
         pane.scenery.set_background(self._store.scene.background)
@@ -137,7 +138,6 @@ class ViewArea(QWidget):
             if self._documents.volume is not None and self._documents.is_ready_for(scene):
                 pane.display.show_volume(self._documents.volume)
         self._show_active(scene)
-        self._show_light(scene)
         return new
 
     # ------------------------------------------------------------------ where it lies
@@ -229,14 +229,6 @@ class ViewArea(QWidget):
             for pane in self.panes:
                 pane.scenery.set_background(new.background)
                 pane.viewport.render()
-        if old.light != new.light or _techniques(old) != _techniques(new):
-            self._show_light(new)
-
-    def _show_light(self, scene: Scene) -> None:
-        volume = self._documents.volume
-        for pane in self.panes:
-            movable = "light" in current_technique(scene, pane.view).handles
-            pane.light_mark.show(scene.light, volume, movable=movable)
 
     # ------------------------------------------------------------------ what stands around
 
@@ -251,6 +243,17 @@ class ViewArea(QWidget):
         for pane in self.panes:
             pane.display.quality = quality
 
+    @property
+    def shows_handles(self) -> bool:
+        """Whether light and cut plane can be dragged in the pictures, where the techniques have them."""
+        return self._shows_handles
+
+    @shows_handles.setter
+    def shows_handles(self, on: bool) -> None:
+        self._shows_handles = on
+        for pane in self.panes:
+            pane.display.shows_handles = on
+
     def show_scenery(self, name: str, on: bool) -> None:
         """Switch box, axes, orientation marker or colour bar in all views."""
         self._shown[name] = on
@@ -262,7 +265,6 @@ class ViewArea(QWidget):
         self._volume, self._function = volume, function
         for pane in self.panes:
             pane.scenery.set_volume(volume, function)
-        self._show_light(self._store.scene)
 
     def set_function(self, function: TransferFunction | None) -> None:
         """Give the colour bars other colours."""
@@ -285,7 +287,3 @@ class ViewArea(QWidget):
         self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
         for pane in reversed(self.panes):
             pane.close()
-
-
-def _techniques(scene: Scene) -> list[str]:
-    return [view.technique for view in scene.views]

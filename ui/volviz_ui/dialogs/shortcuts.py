@@ -60,6 +60,7 @@ class ShortcutsDialog(QDialog):
             (self.tr("Push the volume"), self.tr("Shift + left drag")),
             (self.tr("Zoom"), self.tr("Wheel, middle drag")),
             (self.tr("Move the light (or zoom)"), self.tr("Right drag")),
+            (self.tr("Move light or cut plane"), self.tr("Drag its knob")),
             (self.tr("Distance of the light"), self.tr("Ctrl + wheel")),
             (self.tr("Shift and stretch the colours"), self.tr("Ctrl + left drag")),
             (self.tr("Slider back to its default"), self.tr("Double-click")),

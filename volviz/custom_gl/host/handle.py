@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
+import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
@@ -22,10 +23,12 @@ from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pa
 from volviz.custom_gl.host.picture import composite
 from volviz.custom_gl.host.prop_drawing import PropDrawing
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
+from volviz.custom_gl.host.scene_handles import SceneHandles
 from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.technique import Frame, FrameCamera, ImageTechnique, TechniqueInfo
 from volviz.errors import InputError, RenderError
+from volviz.kernels.slices import crop_corners
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light, default_position
 from volviz.model.parameters import make_settings
@@ -82,6 +85,8 @@ class VolumeHandle:
     share : float
         Part of the time of an interactive frame that this volume may take, 0..1; less than 1 where several
         viewports are drawn together.
+    handles : SceneHandles or None
+        What can be dragged in the picture, while it is shown (`show_handles`).
     """
 
     def __init__(
@@ -124,6 +129,7 @@ class VolumeHandle:
         self._targets: dict[Target, str] = {}
         self._depth_key: Any = None
         self._removed = False
+        self.handles: SceneHandles | None = None
         self._hook = Hook(self.renderer, self._on_hook)
         self._gpu: WindowGpu = acquire(self.window)
         _HANDLES.append(self)
@@ -150,6 +156,25 @@ class VolumeHandle:
     def actor(self) -> Any:
         """The invisible `vtkActor` that stands for the volume in the renderer; its bounds are the box."""
         return self._hook.actor
+
+    @property
+    def light(self) -> Light:
+        """The light."""
+        return self._light
+
+    @property
+    def clipping(self) -> Clipping:
+        """Crop box and clip planes."""
+        return self._clipping
+
+    @property
+    def box_corners(self) -> npt.NDArray[np.float64]:
+        """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
+        return crop_corners(
+            self._volume.index_to_world,
+            self._clipping.crop_within(self._volume.dimensions),
+            self._volume.dimensions,
+        )
 
     @property
     def notice(self) -> str:
@@ -259,15 +284,31 @@ class VolumeHandle:
             self._technique = None
 
     def _place(self) -> None:
-        crop = self._clipping.crop_within(self._volume.dimensions)
-        index = np.array([[crop[c & 1], crop[2 + (c >> 1 & 1)], crop[4 + (c >> 2 & 1)]] for c in range(8)])
-        matrix = self._volume.index_to_world
-        self._hook.set_corners(index @ matrix[:3, :3].T + matrix[:3, 3])
+        self._hook.set_corners(self.box_corners)
 
     @property
     def light_position(self) -> tuple[float, float, float]:
         """World position of the placed light (also while the headlight is on)."""
         return self._light.position or default_position(self._volume.bounds)
+
+    # ------------------------------------------------------------------ by hand
+
+    def show_handles(self, on: bool = True, *, listens: bool = True) -> None:
+        """Show what can be dragged: the light and the cut plane, where the technique has them.
+
+        Parameters
+        ----------
+        on : bool, default: True
+            Show or hide.
+        listens : bool, default: True
+            Whether VTK's interactor drags them with the left button; False for windows that call
+            `SceneHandles.grab`, `drag` and `release` themselves.
+        """
+        if self.handles is not None and not on:
+            self.handles.remove()
+            self.handles = None
+        elif self.handles is None and on and not self._removed:
+            self.handles = SceneHandles(self, listens=listens)
 
     # ------------------------------------------------------------------ gestures
 
@@ -696,6 +737,7 @@ class VolumeHandle:
         """Take the volume out of the renderer and release its GPU objects; a second call does nothing."""
         if self._removed:
             return
+        self.show_handles(False)
         self._removed = True
         _HANDLES.remove(self)
         last = not any(other.renderer is self.renderer for other in _HANDLES)
