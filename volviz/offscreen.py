@@ -76,7 +76,7 @@ def render(
     if dtype not in ("uint8", "float32"):
         raise InputError(f'dtype of a picture is "uint8" or "float32", got {dtype!r}.')
     width, height = _checked_size(size)
-    color = _checked_background(background)
+    color = background_color(background)
     if transfer_function is None:
         transfer_function = TransferFunction.auto(volume)
     if camera is None:
@@ -159,7 +159,14 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
-def _checked_background(background: Sequence[float] | str | None) -> tuple[float, float, float] | None:
+def background_color(background: Sequence[float] | str | None) -> tuple[float, float, float] | None:
+    """A colour from three floats 0..1, a name or #rrggbb; None stays None.
+
+    Raises
+    ------
+    InputError
+        It is none of these.
+    """
     if background is None:
         return None
     if isinstance(background, str):

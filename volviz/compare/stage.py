@@ -118,6 +118,12 @@ class Stage:
         """Whether OpenGL is computed on the processor, where its clock for the GPU means nothing."""
         return self._window_gpu().gpu.limits.software
 
+    @property
+    def renderer(self) -> str:
+        """What OpenGL calls itself, with its version."""
+        limits = self._window_gpu().gpu.limits
+        return f"{limits.renderer}, OpenGL {limits.version}"
+
     def draw(self, camera: Camera) -> float:
         """Draw one complete frame and wait until it is finished.
 

@@ -1,0 +1,355 @@
+"""`volviz compare`: reports of every kind, what stands in them, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import shlex
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+import trimesh
+
+import volviz
+from tests.render.scenes import POINTS, blobs
+from volviz.cli import main
+from volviz.compare.matching import side_names
+from volviz.compare.report import csv_report, html_report, json_report, save_report
+from volviz.compare.results import Comparison, picture_pairs
+from volviz.compare.run import ComparisonRun, Side, compare
+from volviz.compare.samples import ray_samples
+from volviz.compare.stage import View
+from volviz.compare.suite import suite_groups
+from volviz.custom_gl.registry import technique
+from volviz.errors import InputError
+from volviz.framing import default_camera
+from volviz.model.parameters import make_settings
+
+VOID = {"meta", "img", "br", "link", "input"}
+
+
+def make_view(name: str = "blobs", size: tuple[int, int] = (64, 48)) -> View:
+    volume = volviz.Volume(blobs((17, 18, 19), dtype=np.float32), name=name, spacing=(1.0, 1.1, 1.3))
+    function = volviz.TransferFunction.from_points(POINTS)
+    return View(volume, function, default_camera(volume, size, transfer_function=function), size)
+
+
+@pytest.fixture(scope="module")
+def comparison() -> Comparison:
+    sides = [
+        Side("raycast"), Side("slicing", {"step": 1.0}), Side("marching_cubes", {"isovalue": 0.5}),
+        Side("marching_tetrahedra", {"isovalue": 0.5}),
+    ]  # fmt: skip
+    return compare(
+        make_view("<b>&'name\""),
+        sides,
+        frames=2,
+        convergence=True,
+        command="volviz compare a&b.nrrd -o r.html",
+    )
+
+
+class Reader(HTMLParser):
+    """Checks that elements are closed in order; collects text and what is referred to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.words: list[str] = []
+        self.references: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.references += [str(v) for k, v in attrs if k in ("src", "href")]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+
+def read(html: str) -> Reader:
+    reader = Reader()
+    reader.feed(html)
+    reader.close()
+    assert not reader.open
+    return reader
+
+
+def test_the_page_holds_everything_and_needs_nothing_else(comparison: Comparison) -> None:
+    reader = read(html_report([comparison]))
+    words = " ".join(reader.words)
+    # four pictures, and difference, colour bar and similarity of six pairs
+    assert reader.tags.count("img") == 4 + 6 * 3
+    assert reader.tags.count("svg") == 2
+    assert all(reference.startswith("data:") for reference in reader.references)
+    for heading in ("Differences", "Frame times", "Samples per ray", "Meshes", "Convergence", "Settings",
+                    "Machine and versions", "How this was made"):  # fmt: skip
+        assert heading in words
+    assert "volviz compare a&b.nrrd -o r.html" in words
+    assert "<b>&'name\"" in words
+    assert "step is 0.5 in raycast, 1 in slicing." in words
+    assert str(Path.home()) not in html_report([comparison])
+
+
+def test_plots_are_sound_xml(comparison: Comparison) -> None:
+    html = html_report([comparison])
+    plots = ["<svg" + part.split("</svg>")[0] + "</svg>" for part in html.split("<svg")[1:]]
+    roots = [ET.fromstring(plot) for plot in plots]
+    assert [root.tag.endswith("svg") for root in roots] == [True, True]
+    legend = "".join(roots[1].itertext())
+    assert "raycast: slope" in legend
+    assert "slicing: slope" in legend
+
+
+def test_json_says_the_same_as_the_results(comparison: Comparison) -> None:
+    data = json.loads(json_report([comparison]))
+    assert data["schema"] == 1
+    assert set(data) == {
+        "schema", "title", "volume", "view", "sides", "pairs", "convergence", "transfer_function", "machine",
+        "versions", "remarks", "command",
+    }  # fmt: skip
+    assert [side["name"] for side in data["sides"]] == [side.name for side in comparison.sides]
+    for entry, pair in zip(data["pairs"], comparison.pairs, strict=True):
+        assert entry["psnr"] == pytest.approx(pair.metrics.psnr)
+        assert entry["time_ratio"]["median"] > 0
+    times = data["sides"][0]["times"]
+    assert times["median"] == pytest.approx(np.median(times["frames"]))
+    assert len(times["frames"]) == 2
+    assert data["sides"][1]["settings"]["step"] == 1.0
+    assert volviz.TransferFunction.from_dict(data["transfer_function"]) is not None
+    assert {"volviz", "python", "numpy", "vtk"} <= set(data["versions"])
+    assert data["machine"]["processor"]
+
+
+def test_csv_has_one_figure_a_row(comparison: Comparison) -> None:
+    rows = list(csv.DictReader(csv_report([comparison]).splitlines()))
+    (value,) = [
+        r["value"] for r in rows
+        if (r["kind"], r["side"], r["other"], r["figure"]) == ("pair", "raycast", "slicing", "psnr")
+    ]  # fmt: skip
+    assert float(value) == pytest.approx(comparison.pairs[0].metrics.psnr)
+    assert {row["volume"] for row in rows} == {"<b>&'name\""}
+    assert {
+        "times",
+        "samples_per_ray",
+        "mesh",
+        "settings",
+        "convergence",
+        "machine",
+        "versions",
+        "command",
+    } <= {row["kind"] for row in rows}
+
+
+def test_figures_of_meshes_are_those_of_trimesh(comparison: Comparison) -> None:
+    side = comparison.side("marching_cubes")
+    volume = make_view().volume
+    mesh = volviz.extract_isosurface(volume, 0.5, clean=True)
+    theirs = trimesh.Trimesh(mesh.points, mesh.regular_faces, process=False)
+    assert side.mesh is not None
+    assert side.mesh.faces == len(theirs.faces)
+    assert side.mesh.area == pytest.approx(theirs.area)
+    assert side.mesh.euler_characteristic == theirs.euler_number
+    (distance,) = [p.distance for p in comparison.pairs if p.distance is not None]
+    # tetrahedra cut cells more finely: their surface stays within a cell of the cubes'
+    assert 0 < distance.hausdorff < 1.3
+
+
+def test_both_sides_converge_at_second_order(comparison: Comparison) -> None:
+    assert [c.name for c in comparison.convergence] == ["raycast", "slicing"]
+    for found in comparison.convergence:
+        assert found.slope == pytest.approx(2.0, abs=0.3)
+        assert list(found.errors) == sorted(found.errors, reverse=True)
+
+
+def test_a_technique_against_itself_is_equal(tmp_path: Path) -> None:
+    found = compare(make_view(), [Side("raycast"), Side("raycast")], frames=0)
+    assert [side.name for side in found.sides] == ["raycast", "raycast 2"]
+    assert math.isinf(found.pairs[0].metrics.psnr)
+    assert found.pairs[0].metrics.max_difference == 0
+    assert json.loads(json_report([found]))["pairs"][0]["psnr"] is None
+    save_report(found, tmp_path / "equal.html")
+    page = read((tmp_path / "equal.html").read_text(encoding="utf-8"))
+    assert "equal" in page.words
+    assert "Frame times" not in page.words
+
+
+def test_a_run_that_is_left_early_gives_its_windows_back() -> None:
+    run = ComparisonRun(make_view(), [Side("raycast"), Side("slicing")])
+    steps = run.steps()
+    for _ in range(4):
+        next(steps)
+    steps.close()
+    assert run.result is None
+
+
+def test_samples_of_a_ray_through_a_cube_are_its_length_over_the_step() -> None:
+    volume = volviz.Volume(np.zeros((21, 21, 21), np.float32) + np.arange(21, dtype=np.float32))
+    camera = volviz.Camera((10.0, -100.0, 10.0), (10.0, 10.0, 10.0), parallel=True, parallel_scale=5.0)
+    for ident in ("raycast", "slicing"):
+        info = technique(ident)
+        found = ray_samples(
+            volume, camera, (40, 40), ident, make_settings(info.settings, {"step": 0.4}, owner=ident)
+        )
+        assert found is not None
+        assert (found.mean, found.maximum, found.hit_share) == (pytest.approx(50), pytest.approx(50), 1.0)
+        assert found.distance == pytest.approx(0.4)
+    settings = make_settings(technique("slicing").settings, {"slices": 16}, owner="slicing")
+    sliced = ray_samples(volume, camera, (40, 40), "slicing", settings)
+    assert sliced is not None
+    assert sliced.mean == pytest.approx(16)
+    assert ray_samples(volume, camera, (40, 40), "splatting", technique("splatting").settings()) is None
+
+
+def test_every_technique_of_a_suite_stands_beside_its_like() -> None:
+    groups = [[info.id for info in group] for group in suite_groups()]
+    assert all(len(group) > 1 for group in groups)
+    assert next(g for g in groups if "raycast" in g)[:3] == ["raycast", "two_pass_raycast", "slicing"]
+    idents = [ident for group in groups for ident in group]
+    assert len(idents) == len(set(idents))
+
+
+def test_names_and_pairs() -> None:
+    assert side_names(["a", "b", "a", "a"]) == ["a", "b", "a 2", "a 3"]
+    assert len(picture_pairs("abcd")) == 6
+    assert picture_pairs("abcde") == [("a", "b"), ("a", "c"), ("a", "d"), ("a", "e")]
+
+
+@pytest.fixture
+def volume_file(tmp_path: Path) -> Path:
+    path = tmp_path / "small.npy"
+    np.save(path, blobs((17, 18, 19)))
+    return path
+
+
+def test_the_command_writes_a_report_and_the_command_that_makes_it_again(
+    volume_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "report.json"
+    arguments = [
+        "compare", str(volume_file), "-t", "raycast", "-t", "slicing:step=1", "--set", "shading=true",
+        "--set", "light_color=1,0.9,0.8", "--size", "48x40", "--azimuth", "30", "--preset", "grey-classic",
+        "--frames", "0", "-o", str(output),
+    ]  # fmt: skip
+    assert main(arguments) == 0
+    assert "raycast against slicing: PSNR" in capsys.readouterr().out
+    data = json.loads(output.read_text(encoding="utf-8"))
+    assert data["view"]["size"] == [48, 40]
+    assert data["view"]["light_color"] == [1.0, 0.9, 0.8]
+    assert [side["settings"]["step"] for side in data["sides"]] == [0.5, 1.0]
+    assert all(side["settings"]["shading"] for side in data["sides"])
+    again = shlex.split(data["command"])
+    assert again[:3] == ["volviz", "compare", "small.npy"]
+    assert str(tmp_path) not in output.read_text(encoding="utf-8")
+    again = [str(volume_file), *again[3:-1], str(tmp_path / "again.json")]
+    assert main(["compare", *again]) == 0
+    second = json.loads((tmp_path / "again.json").read_text(encoding="utf-8"))
+    for key in ("volume", "view", "sides", "pairs", "transfer_function"):
+        assert second[key] == data[key]
+
+
+def test_an_isovalue_is_that_of_all_surfaces(volume_file: Path, tmp_path: Path) -> None:
+    output = tmp_path / "r.json"
+    words = [
+        "-t",
+        "isosurface",
+        "-t",
+        "marching_cubes",
+        "--isovalue",
+        "120",
+        "--size",
+        "40x40",
+        "--frames",
+        "0",
+    ]
+    assert main(["compare", str(volume_file), *words, "-o", str(output)]) == 0
+    first, second = json.loads(output.read_text(encoding="utf-8"))["sides"]
+    assert first["settings"]["isovalues"] == [120.0]
+    assert second["settings"]["isovalue"] == 120.0
+    assert second["mesh"]["faces"] > 100
+
+
+def test_a_camera_can_be_given_in_numbers(volume_file: Path, tmp_path: Path) -> None:
+    output = tmp_path / "r.json"
+    words = [
+        "-t",
+        "raycast",
+        "-t",
+        "slicing",
+        "--camera=9,-60,9,9,9,9,0,0,1",
+        "--view-angle",
+        "25",
+        "--parallel",
+    ]
+    words += ["--size", "40x40", "--frames", "0", "-o", str(output)]
+    assert main(["compare", str(volume_file), *words]) == 0
+    view = json.loads(output.read_text(encoding="utf-8"))["view"]
+    assert view["position"] == [9, -60, 9]
+    assert (view["view_angle"], view["parallel"]) == (25, True)
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["-t", "raycast", "-o", "r.html"], "two techniques"),
+        (["-t", "raycast", "-t", "nothing", "-o", "r.html"], "nothing"),
+        (["-t", "raycast", "-t", "slicing", "-o", "r.pdf"], ".html"),
+        (["-t", "raycast", "-t", "slicing", "-o", "no/folder/r.html"], "folder"),
+        (["-t", "raycast:steps=1", "-t", "slicing", "-o", "r.html"], "steps"),
+        (["-t", "raycast:step=none", "-t", "slicing", "-o", "r.html"], "step"),
+        (["-t", "raycast", "-t", "slicing", "--set", "splat_size=2", "-o", "r.html"], "splat_size"),
+        (["-t", "raycast", "-t", "slicing", "--set", "step", "-o", "r.html"], "NAME=VALUE"),
+        (["-t", "raycast:headlight=false", "-t", "slicing", "-o", "r.html"], "--set"),
+        (["-t", "raycast", "-t", "slicing", "--size", "0x3", "-o", "r.html"], "--size"),
+        (["-t", "raycast", "-t", "slicing", "--size", "3x3", "-o", "r.html"], "7 x 7"),
+        (["-t", "raycast", "-t", "slicing", "--camera", "1,2", "-o", "r.html"], "--camera"),
+        (["-t", "raycast", "-t", "slicing", "--frames", "-1", "-o", "r.html"], "--frames"),
+        (["-t", "raycast", "-t", "slicing", "--background", "nocolour", "-o", "r.html"], "nocolour"),
+        (["-t", "raycast", "--suite", "-o", "r.html"], "--suite"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_in_one_sentence(
+    words: list[str], part: str, volume_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["compare", str(volume_file), *words]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert told.startswith("volviz: ")
+    assert told[-2:] in (".\n", "?\n")
+    assert part in told
+
+
+def test_one_side_alone_is_no_comparison() -> None:
+    with pytest.raises(InputError):
+        ComparisonRun(make_view(), [Side("raycast")])
+
+
+def names_of(data: Any) -> list[str]:
+    return [entry["volume"]["name"] for entry in data]
+
+
+def test_a_suite_on_one_file_compares_every_group(
+    volume_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "suite.json"
+    assert (
+        main(["compare", str(volume_file), "--suite", "--size", "24x20", "--frames", "0", "-o", str(output)])
+        == 0
+    )
+    data = json.loads(output.read_text(encoding="utf-8"))
+    assert len(data) == len(suite_groups())
+    assert set(names_of(data)) == {"small"}
+    assert f"{len(data)} comparisons" in capsys.readouterr().out

@@ -1,0 +1,65 @@
+"""The mesh that a side of a comparison shows, for the figures of meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.compare.vtk_contours import vtk_contour
+from volviz.kernels.marching.surface import clean_mesh
+from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.volume import Volume
+
+Mesh = tuple[npt.NDArray[Any], npt.NDArray[Any]]
+
+_FILTERS = {"vtk_marching_cubes": "vtkMarchingCubes", "vtk_flying_edges": "vtkFlyingEdges3D"}
+_OURS = ("marching_cubes", "marching_tetrahedra")
+
+
+def side_mesh(volume: Volume, technique: str, settings: Mapping[str, Any]) -> Mesh | None:
+    """Vertices (V, 3) in the world and faces (F, 3) of what a mesh technique shows; None for other techniques.
+
+    Vertices at one place are merged and triangles without area dropped, on all sides alike: they would spoil the
+    Euler characteristic and the count of open edges.
+
+    Parameters
+    ----------
+    volume : Volume
+    technique : str
+        Its id.
+    settings : mapping
+        Its settings by name.
+    """
+    if technique not in _FILTERS and technique not in _OURS:
+        return None
+    isovalue = settings.get("isovalue")
+    if isovalue is None:
+        isovalue = auto_isovalue(volume)
+    if technique in _FILTERS:
+        mesh = vtk_contour(volume, isovalue, _FILTERS[technique])
+    else:
+        mesh = _ours(volume, technique, isovalue, settings)
+    vertices, faces, _ = clean_mesh(np.asarray(mesh[0]), np.asarray(mesh[1]), None)
+    return vertices, faces
+
+
+def _ours(volume: Volume, technique: str, isovalue: float, settings: Mapping[str, Any]) -> Mesh:
+    from volviz.mesh import extract_isosurface, triangle_arrays
+
+    parts = settings.get("parts", "all")
+    return triangle_arrays(
+        extract_isosurface(
+            volume,
+            isovalue,
+            "tetrahedra" if technique == "marching_tetrahedra" else str(settings.get("method", "lorensen")),
+            stride=int(settings.get("stride", 1)),
+            normals=None,
+            largest_part=parts == "largest",
+            min_triangles=int(settings.get("part_triangles", 0)) if parts == "large" else 0,
+            smooth=int(settings.get("smoothing", 0)),
+            decimate=float(settings.get("decimation", 0.0)),
+        )
+    )

@@ -1,0 +1,250 @@
+"""A comparison from beginning to end: pictures, times, differences, meshes, convergence, piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from typing import Any
+
+from volviz.compare.convergence import Convergence, ConvergenceRun, converging_parameter
+from volviz.compare.machine import machine_facts, version_facts
+from volviz.compare.matching import MatchedSide, match_sides, settings_differences
+from volviz.compare.mesh_metrics import mesh_metrics
+from volviz.compare.meshes import Mesh, side_mesh
+from volviz.compare.pictures import compare_pictures, difference_image, similarity_picture, ssim_map
+from volviz.compare.results import Comparison, PairResult, SideResult, picture_pairs
+from volviz.compare.samples import ray_samples
+from volviz.compare.stage import Stage, View
+from volviz.compare.surface_distance import SurfaceDistance, surface_distance
+from volviz.compare.timing import FrameTimes, stage_timer
+from volviz.errors import InputError
+from volviz.model.parameters import parameters_of
+from volviz.model.volume import Volume
+
+#: Techniques that are drawn once: an oracle has all the time in the world.
+UNTIMED = ("reference",)
+#: Seconds after which no further round of frame times begins.
+TIMING_SECONDS = 60.0
+
+REMARKS = (
+    (
+        "Pictures are drawn off-screen at full quality over the background; figures are of their red, green and blue, "
+        "differences in levels of 0 to 255."
+    ),
+    (
+        "Frame times are wall times of complete frames in one process, taken in turn from slightly turned cameras, "
+        "the first frame of each side apart: it uploads the data, compiles shaders and extracts meshes."
+    ),
+    (
+        "Samples per ray are computed from the box, the camera and the distance of samples; what is saved by leaving "
+        "out empty space and by ending rays early is not taken off."
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Side:
+    """A technique that takes part, with settings that are given for it."""
+
+    technique: str
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+class ComparisonRun:
+    """Compares techniques on one view; each step of `steps` is a picture, a frame or a figure.
+
+    Parameters
+    ----------
+    view : View
+        What is shown.
+    sides : sequence of Side
+        At least two.
+    frames : int, default: 7
+        Measured frames of each side, 0 = no times.
+    matched : bool, default: True
+        Give VTK's techniques the settings of ours, and ours what VTK's cannot do otherwise.
+    convergence : bool, default: False
+        Also draw each side at several steps or bisections.
+    title, command : str
+        For the report.
+
+    Raises
+    ------
+    InputError
+        Fewer than two sides, or settings that do not fit.
+    """
+
+    def __init__(
+        self,
+        view: View,
+        sides: Sequence[Side],
+        *,
+        frames: int = 7,
+        matched: bool = True,
+        convergence: bool = False,
+        title: str = "",
+        command: str = "",
+    ) -> None:
+        if len(sides) < 2:
+            raise InputError(f"a comparison needs at least two techniques, got {len(sides)}.")
+        self._view = view
+        self._sides = match_sides([(side.technique, side.values) for side in sides], matched=matched)
+        self._frames = frames
+        self._convergence = convergence
+        self._title = title or " and ".join(side.name for side in self._sides) + f" on {view.volume.name}"
+        self._command = command
+        self._meshes: dict[str, Mesh] = {}
+        self.result: Comparison | None = None
+
+    def steps(self) -> Iterator[tuple[float, str]]:
+        """Work; gives the finished fraction, 0..1, and what comes next in words. `result` stands at the end.
+
+        Closing the iterator early gives every window back.
+        """
+        results: dict[str, SideResult] = {}
+        renderer = ""
+        with ExitStack() as stack:
+            stages: dict[str, Stage] = {}
+            for i, side in enumerate(self._sides):
+                yield 0.3 * i / len(self._sides), f"drawing {side.name}"
+                stage = stack.enter_context(Stage(self._view, side.technique, side.settings))
+                stages[side.name] = stage
+                renderer = renderer or stage.renderer
+                results[side.name] = self._side_result(side, stage)
+            times: dict[str, FrameTimes] = {}
+            timed = {name: s for name, s in stages.items() if results[name].technique not in UNTIMED}
+            if self._frames and timed:
+                timer = stage_timer(timed, self._frames, limit=TIMING_SECONDS)
+                for fraction in timer.steps():
+                    yield 0.3 + 0.3 * fraction, "taking frame times"
+                times = timer.times
+        for side in self._sides:
+            yield 0.6, f"measuring the mesh of {side.name}"
+            results[side.name] = self._with_figures(results[side.name], times.get(side.name))
+        pairs = []
+        for first, second in picture_pairs(list(results)):
+            yield 0.7, f"comparing {first} and {second}"
+            pairs.append(self._pair(results[first], results[second]))
+        orders: list[Convergence] = []
+        if self._convergence:
+            for fraction in self._converge(orders):
+                yield 0.75 + 0.25 * fraction, "drawing for the convergence"
+        self.result = self._comparison(tuple(results.values()), tuple(pairs), tuple(orders), renderer)
+        yield 1.0, "done"
+
+    def _side_result(self, side: MatchedSide, stage: Stage) -> SideResult:
+        settings = {p.name: getattr(stage.settings, p.name) for p in parameters_of(type(stage.settings))}
+        samples = ray_samples(
+            self._view.volume, self._view.camera, self._view.size, side.technique, stage.settings,
+            self._view.clipping,
+        )  # fmt: skip
+        return SideResult(
+            side.name, side.technique, stage.technique.label, settings, stage.picture(),
+            samples=samples, notice=stage.notice,
+        )  # fmt: skip
+
+    def _with_figures(self, side: SideResult, times: FrameTimes | None) -> SideResult:
+        from dataclasses import replace
+
+        mesh = side_mesh(self._view.volume, side.technique, side.settings)
+        if mesh is not None:
+            self._meshes[side.name] = mesh
+        return replace(side, times=times, mesh=None if mesh is None else mesh_metrics(*mesh))
+
+    def _pair(self, first: SideResult, second: SideResult) -> PairResult:
+        words = settings_differences(first, second)
+        for side in (first, second):
+            other = second if side is first else first
+            words += [s for s in self._matched(side.name).differences.get(other.name, ()) if s not in words]
+        return PairResult(
+            first.name,
+            second.name,
+            compare_pictures(first.picture, second.picture),
+            difference_image(first.picture, second.picture),
+            similarity_picture(ssim_map(first.picture, second.picture)),
+            tuple(words),
+            self._distance(first.name, second.name),
+        )
+
+    def _matched(self, name: str) -> MatchedSide:
+        return next(side for side in self._sides if side.name == name)
+
+    def _distance(self, first: str, second: str) -> SurfaceDistance | None:
+        a, b = self._meshes.get(first), self._meshes.get(second)
+        if a is None or b is None or not len(a[1]) or not len(b[1]):
+            return None
+        return surface_distance(a, b)
+
+    def _converge(self, found: list[Convergence]) -> Iterator[float]:
+        from volviz.custom_gl.registry import technique
+
+        able = [s for s in self._sides if converging_parameter(technique(s.technique)) is not None]
+        for i, side in enumerate(able):
+            run = ConvergenceRun(self._view, side.name, side.technique, side.own_values)
+            for fraction in run.steps():
+                yield (i + fraction) / len(able)
+            if run.result is not None:
+                found.append(run.result)
+
+    def _comparison(
+        self,
+        sides: tuple[SideResult, ...],
+        pairs: tuple[PairResult, ...],
+        orders: tuple[Convergence, ...],
+        renderer: str,
+    ) -> Comparison:
+        view = self._view
+        return Comparison(
+            title=self._title,
+            volume=volume_facts(view.volume),
+            view=view_facts(view),
+            sides=sides,
+            pairs=pairs,
+            transfer_function=view.transfer_function.resolved(view.volume.range).to_dict(),
+            machine=machine_facts(renderer),
+            versions=version_facts(),
+            convergence=orders,
+            command=self._command,
+            remarks=REMARKS,
+        )
+
+
+def compare(view: View, sides: Sequence[Side], **options: Any) -> Comparison:
+    """Compare techniques on one view at once; see `ComparisonRun` for the options."""
+    run = ComparisonRun(view, sides, **options)
+    for _ in run.steps():
+        pass
+    assert run.result is not None
+    return run.result
+
+
+def volume_facts(volume: Volume) -> dict[str, Any]:
+    """What a volume is, without where it lies."""
+    return {
+        "name": volume.name,
+        "dimensions": volume.dimensions,
+        "dtype": str(volume.array.dtype),
+        "spacing": volume.spacing,
+        "range": volume.range,
+        "unit": volume.unit,
+    }
+
+
+def view_facts(view: View) -> dict[str, Any]:
+    """Camera, size, light and clipping as plain data."""
+    camera, light = view.camera, view.light
+    return {
+        "size": view.size,
+        "position": camera.position,
+        "focal_point": camera.focal_point,
+        "view_up": camera.view_up,
+        "view_angle": camera.view_angle,
+        "parallel": camera.parallel,
+        "background": view.background,
+        "headlight": light.headlight,
+        "light_position": None if light.headlight else light.position,
+        "light_color": light.color,
+        "crop": view.clipping.crop,
+        "clip_planes": view.clipping.planes,
+    }
