@@ -265,6 +265,7 @@ class Actions(QObject):
                     self.parallel,
                     *self.scenery.values(),
                     self.handles,
+                    self._window.ray_dock.toggleViewAction(),
                     self.full_screen,
                 ],
             ),

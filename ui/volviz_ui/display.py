@@ -183,6 +183,10 @@ class Display(QObject):
         waits = self._viewport.awaits_frame or self.pacer.is_busy or self._gestures > 0
         return status is not None and status.complete and not waits
 
+    def opaque_depth(self, column: int, row: int) -> float | None:
+        """Window depth of opaque geometry at a device pixel of the viewport, from the upper left; None = nothing."""
+        return None if self.handle is None else self.handle.opaque_depth(column, row)
+
     def complete(self) -> None:
         """Finish the picture now, however long it takes."""
         if self.handle is not None:

@@ -35,6 +35,8 @@ from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.panels.technique_box import current_technique
 from volviz_ui.picking import Picked, picked_voxel
 from volviz_ui.preferences import Preferences
+from volviz_ui.ray_inspector.inspector import RayInspector
+from volviz_ui.ray_inspector.panel import RayPanel
 from volviz_ui.scenery import Scenery
 from volviz_ui.session_commands import SessionCommands
 from volviz_ui.status_line import StatusLine
@@ -101,10 +103,19 @@ class MainWindow(QMainWindow):
         self.data_panel = DataPanel(self.store, self.workers, self)
         self.technique_panel = TechniquePanel(self.store, self)
         self.transfer_editor = TransferEditor(self.store, self)
+        self.ray_panel = RayPanel(self)
         self.docks = self._make_docks()
         self.thumbnails = Thumbnails(self.workers, self)
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
         self.isovalues = IsovalueMarkers(self.store, self.transfer_editor, self)
+        self.ray_inspector = RayInspector(
+            self.store,
+            self.documents,
+            self.workers,
+            self.views,
+            self.ray_panel,
+            self,
+        )
         self.file_commands = FileCommands(self)
         self.session_commands = SessionCommands(self)
         self.view_commands = ViewCommands(self)
@@ -150,12 +161,19 @@ class MainWindow(QMainWindow):
         data = Dock("data_dock", self.tr("Data"), self.data_panel, self)
         technique = Dock("technique_dock", self.tr("Technique"), self.technique_panel, self)
         transfer = Dock("transfer_dock", self.tr("Transfer function"), self.transfer_editor, self)
+        self.ray_dock = Dock("ray_dock", self.tr("Ray inspector"), self.ray_panel, self)
         self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
         self.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, data)
         self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, technique)
         self.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, transfer)
-        return [data, technique, transfer]
+        self.splitDockWidget(transfer, self.ray_dock, Qt.Orientation.Horizontal)
+        self.ray_dock.hide()
+        self.ray_dock.toggleViewAction().setShortcut("Ctrl+I")
+        self.ray_dock.toggleViewAction().setToolTip(
+            self.tr("Follow the ray behind a pixel, sample by sample: click in the picture")
+        )
+        return [data, technique, transfer, self.ray_dock]
 
     def _connect(self) -> None:
         for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
@@ -182,6 +200,11 @@ class MainWindow(QMainWindow):
         )
         self.views.pointer_moved.connect(self._on_pointer_moved)
         self.views.pointer_left.connect(self._on_pointer_left)
+        toggle = self.ray_dock.toggleViewAction()
+        toggle.triggered.connect(lambda shown: shown and self.ray_panel.plot.setFocus())
+        self.ray_dock.visibilityChanged.connect(self.ray_inspector.set_active)
+        self.ray_inspector.value_pointed.connect(self.transfer_editor.highlight_value)
+        self.transfer_editor.value_hovered.connect(self.ray_panel.plot.mark_value)
         self.store.history_changed.connect(self._show_history)
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
         show_value(
@@ -219,12 +242,15 @@ class MainWindow(QMainWindow):
             Qt.DockWidgetArea.RightDockWidgetArea,
             Qt.DockWidgetArea.BottomDockWidgetArea,
         )
-        for dock, area in zip(self.docks, areas, strict=True):
+        for dock, area in zip(self.docks[:3], areas, strict=True):
             dock.setFloating(False)
             self.addDockWidget(area, dock)
             dock.show()
+        self.ray_dock.setFloating(False)
+        self.splitDockWidget(self.docks[2], self.ray_dock, Qt.Orientation.Horizontal)
+        self.ray_dock.hide()
         self.resizeDocks(self.docks[:2], [264, 340], Qt.Orientation.Horizontal)
-        self.resizeDocks(self.docks[2:], [236], Qt.Orientation.Vertical)
+        self.resizeDocks(self.docks[2:3], [236], Qt.Orientation.Vertical)
 
     # ------------------------------------------------------------------ opening
 
@@ -426,6 +452,7 @@ class MainWindow(QMainWindow):
         self._memory_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
+        self.ray_inspector.close()
         self.transfer_editor.close_workers()
         self.workers.close()
         self.views.close_views()

@@ -59,6 +59,8 @@ class Viewport(QtInteractor):
     function_drag_ended = Signal(bool)
     """Whether Escape has cancelled it."""
     pointer_moved = Signal(QPointF)
+    clicked = Signal(QPointF)
+    """The left button was pressed and let go without a move between."""
     pointer_left = Signal()
     frame_drawn = Signal()
 
@@ -248,7 +250,10 @@ class Viewport(QtInteractor):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The drag is over when the last button is up."""
         if event.buttons() == Qt.MouseButton.NoButton:
+            is_click = self._drag is Drag.ROTATE and not self._moving
             self._end_drag(cancelled=False)
+            if is_click:
+                self.clicked.emit(event.position())
         event.accept()
 
     def wheelEvent(self, event: QWheelEvent) -> None:

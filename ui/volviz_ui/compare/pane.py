@@ -10,6 +10,7 @@ from volviz.model.scene import Store
 from volviz_ui.compare.header import ViewHeader
 from volviz_ui.display import AddVolume, Display
 from volviz_ui.documents import Documents
+from volviz_ui.ray_inspector.mark import RayMark
 from volviz_ui.scenery import Scenery
 from volviz_ui.viewport import Viewport
 
@@ -59,6 +60,7 @@ class Pane(QObject):
         self.header = ViewHeader(store, view, parent)
         self.viewport = Viewport(self.frame)
         self.scenery = Scenery(self.viewport)
+        self.ray_mark = RayMark(self.viewport)
         self.display = Display(store, documents, self.viewport, add_volume, self, view=view)
         self.display.status_changed.connect(self.header.show_status)
 

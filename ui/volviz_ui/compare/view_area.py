@@ -38,6 +38,10 @@ class ViewArea(QWidget):
     """Number of the view, and what the host says about its picture."""
     pointer_moved = Signal(int, QPointF)
     pointer_left = Signal()
+    clicked = Signal(int, QPointF)
+    """Number of the view, and where in it the left button was pressed and let go without a move."""
+    drawn = Signal()
+    """One of the views has drawn a frame."""
     function_drag_started = Signal()
     function_dragged = Signal(float, float)
     function_drag_ended = Signal(bool)
@@ -56,6 +60,7 @@ class ViewArea(QWidget):
         self._function: TransferFunction | None = None
         self._quality = "balanced"
         self._shows_handles = True
+        self._ray_mark: tuple[float, float] | None = None
         self._closed = False
         self.panes: list[Pane] = []
         self._add_pane()
@@ -102,12 +107,15 @@ class ViewArea(QWidget):
             pane.scenery.show(name, on)
         pane.scenery.set_background(self._store.scene.background)
         pane.scenery.set_volume(self._volume, self._function)
+        pane.ray_mark.show(self._ray_mark)
         viewport.gesture_started.connect(self.begin_gesture)
         viewport.gesture_finished.connect(self.end_gesture)
         viewport.camera_moved.connect(self._on_camera_moved)
         viewport.pressed.connect(lambda: self.activate(pane.view))
         viewport.pointer_moved.connect(lambda position: self.pointer_moved.emit(pane.view, position))
         viewport.pointer_left.connect(self.pointer_left)
+        viewport.clicked.connect(lambda position: self.clicked.emit(pane.view, position))
+        viewport.frame_drawn.connect(self.drawn)
         viewport.function_drag_started.connect(self.function_drag_started)
         viewport.function_dragged.connect(self.function_dragged)
         viewport.function_drag_ended.connect(self.function_drag_ended)
@@ -271,6 +279,12 @@ class ViewArea(QWidget):
         self._function = function
         for pane in self.panes:
             pane.scenery.set_function(function)
+
+    def show_ray_mark(self, place: tuple[float, float] | None) -> None:
+        """Mark the pixel of the ray inspector in all views; fractions from the lower left, None for none."""
+        self._ray_mark = place
+        for pane in self.panes:
+            pane.ray_mark.show(place)
 
     def set_background(self, color: Color | None) -> None:
         """One colour behind the volume, or the usual gradient."""

@@ -128,6 +128,7 @@ class VolumeHandle:
         self._depth = SceneDepth()
         self._targets: dict[Target, str] = {}
         self._depth_key: Any = None
+        self._depth_read: tuple[Any, Any] | None = None
         self._removed = False
         self.handles: SceneHandles | None = None
         self._hook = Hook(self.renderer, self._on_hook)
@@ -727,6 +728,26 @@ class VolumeHandle:
             width, height = self._picture.target.size
             data = self._picture.target.color.read()
         return np.frombuffer(data, np.float32).reshape(height, width, 4)[::-1].copy()
+
+    def opaque_depth(self, column: int, row: int) -> float | None:
+        """Window depth 0..1 of VTK's opaque geometry at a pixel, None where there is none.
+
+        Parameters
+        ----------
+        column, row : int
+            Pixel of the viewport, (0, 0) at the upper left.
+        """
+        if not self._depth_key or self._depth.texture is None:
+            return None
+        if self._depth_read is None or self._depth_read[0] != self._depth_key:
+            self.window.MakeCurrent()
+            with self._gpu.foreign():
+                self._depth_read = (self._depth_key, self._depth.read(self._gpu.gpu))
+        depths = self._depth_read[1]
+        if not (0 <= row < depths.shape[0] and 0 <= column < depths.shape[1]):
+            return None
+        depth = float(depths[depths.shape[0] - 1 - row, column])
+        return depth if depth < 1.0 else None
 
     def raise_error(self) -> None:
         """Raise what went wrong in the last drawing, if anything did."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.host import vtk_border as vtk
 
@@ -49,6 +52,13 @@ class SceneDepth:
         )
         state.PopFramebufferBindings()
         return self.texture
+
+    def read(self, gpu: Gpu) -> npt.NDArray[np.float32]:
+        """The copy as an array of shape (height, width), window depth 0..1, row 0 at the bottom."""
+        width, height = self._size
+        framebuffer = gpu.gl.detect_framebuffer(self._fbo.GetFBOIndex())
+        data = framebuffer.read((0, 0, width, height), components=1, attachment=-1, alignment=1, dtype="f4")
+        return np.frombuffer(data, np.float32).reshape(height, width)
 
     def release(self, window: Any) -> None:
         """Release the copy."""

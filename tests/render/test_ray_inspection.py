@@ -1,0 +1,102 @@
+"""What the ray inspector says against the pixel that the technique has drawn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.render.scenes import SIZE, camera, function, inside, matrices, picture, volume
+from volviz.custom_gl.registry import technique
+from volviz.model.clipping import Clipping
+from volviz.model.light import Light
+from volviz.model.parameters import make_settings
+from volviz.ray_inspection import RayInspection, inspect_ray
+
+LIMIT = 2 / 255
+RAMP = [(0.0, (0.2, 0.2, 0.6, 0.15)), (0.3, (0.2, 1.0, 0.4, 0.5)), (1.0, (1.0, 0.2, 0.1, 0.9))]
+PIXELS = [(x, y) for x in range(4, 64, 9) for y in range(6, 64, 9)]
+SHARED = ("crop", "clip_planes", "light_position")
+
+
+def inspected(of: Any, technique_id: str, pixel: Any, view: Any, transfer: Any, values: Any) -> RayInspection:
+    info = technique(technique_id)
+    own = {name: value for name, value in values.items() if name not in SHARED}
+    matrix, projection = matrices(of, view, SIZE)
+    light = Light(headlight="light_position" not in values, position=values.get("light_position"))
+    return inspect_ray(
+        of, technique_id, make_settings(info.settings, own, owner=technique_id), transfer, view=matrix,
+        projection=projection, size=SIZE, pixel=pixel, light=light,
+        clipping=Clipping(values.get("crop"), values.get("clip_planes", ())),
+    )  # fmt: skip
+
+
+def assert_pixels_agree(technique_id: str, of: Any, view: Any, points: Any = None, **values: Any) -> None:
+    transfer = function(of, points)
+    drawn = picture(of, transfer, view, technique_id=technique_id, **values)
+    covered = 0
+    for x, y in PIXELS:
+        inspection = inspected(of, technique_id, (x, y), view, transfer, values)
+        assert inspection.exact
+        assert np.abs(np.minimum(inspection.profile.color, 1.0) - np.minimum(drawn[y, x], 1.0)).max() <= LIMIT
+        covered += drawn[y, x, 3] > 0.1
+    assert covered >= 5
+
+
+@pytest.mark.parametrize("technique_id", ["raycast", "two_pass_raycast", "slicing"])
+@pytest.mark.parametrize(
+    "values",
+    [
+        {},
+        {"step": 1.3, "first_sample": 0.2},
+        {"shading": True},
+        {"crop": (4.5, 25.0, 0.0, 20.25, 3.0, 26.0), "gradient_opacity": 0.8},
+        {"clip_planes": (((15.3, 4.0, 18.2), (0.1, 1.0, 0.2)),)},
+        {"mode": "maximum"},
+        {"mode": "average"},
+        {"mode": "additive"},
+        {"mode": "attenuated_maximum"},
+    ],
+    ids=lambda values: "-".join(map(str, values)),
+)
+def test_the_accumulated_colour_is_the_pixel(technique_id: str, values: dict[str, Any]) -> None:
+    of = volume(np.float32, spacing=(0.9, 1.1, 1.4))
+    points = RAMP if values.get("mode") in ("maximum", "average", "attenuated_maximum") else None
+    assert_pixels_agree(technique_id, of, camera(of), points, **values)
+
+
+@pytest.mark.parametrize(
+    "values", [{"jitter": True}, {"preintegrated": True, "step": 1.5}, {"first_sample": 1.0}]
+)
+def test_jitter_and_preintegration_are_followed(values: dict[str, Any]) -> None:
+    of = volume()
+    assert_pixels_agree("raycast", of, camera(of), **values)
+
+
+def test_a_camera_inside_and_a_placed_light_are_followed() -> None:
+    of = volume()
+    assert_pixels_agree("raycast", of, inside(of))
+    x, y, z = of.center
+    assert_pixels_agree(
+        "raycast", of, camera(of, parallel=True), shading=True, light_position=(x - 60.0, y - 20.0, z + 50.0)
+    )
+
+
+def test_jittered_slices_are_followed() -> None:
+    of = volume()
+    assert_pixels_agree("slicing", of, camera(of), jitter=True)
+
+
+def test_techniques_that_sample_no_rays_say_so_and_show_where_their_surfaces_are() -> None:
+    of = volume(np.float32)
+    found = inspected(of, "isosurface", (32, 32), camera(of), function(of), {"isovalues": (0.5,)})
+    assert not found.exact
+    values, places = found.profile.values, found.profile.distances
+    inside_it = values >= 0.5
+    assert inside_it.any()
+    # every change of side between two samples has its crossing between them
+    sides = np.flatnonzero(inside_it[1:] != inside_it[:-1])
+    assert len(found.crossings) == len(sides) > 0
+    for side, crossing in zip(sides, found.crossings, strict=True):
+        assert places[side] <= crossing.distance <= places[side + 1]

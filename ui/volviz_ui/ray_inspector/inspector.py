@@ -1,0 +1,243 @@
+"""Between the window and the panel: which ray is looked at, and when it is followed again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from PySide6.QtCore import QObject, QPointF, QTimer, Signal
+
+from volviz.model.clipping import Clipping
+from volviz.model.light import Light
+from volviz.model.scene import Scene, Store
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+from volviz.ray_inspection import RayInspection, inspect_ray
+from volviz_ui.documents import Documents
+from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.ray_inspector.panel import RayPanel
+from volviz_ui.workers import Workers
+
+if TYPE_CHECKING:
+    from volviz_ui.compare.view_area import ViewArea
+
+FOLLOW_MS = 15
+"""After a change the ray is followed again this much later; further changes until then cost nothing."""
+
+
+class _Wanted(NamedTuple):
+    """Everything that decides what the ray gathers; compared before anything is computed."""
+
+    volume: Volume
+    technique: str
+    settings: Any
+    function: TransferFunction
+    light: Light
+    clipping: Clipping
+    view: bytes
+    projection: bytes
+    size: tuple[int, int]
+    pixel: tuple[int, int]
+    depth: float | None
+
+
+class RayInspector(QObject):
+    """Follows the ray behind a pixel while its panel is open, and again whenever something changes.
+
+    The pixel is kept as a fraction of the viewport: turning the view or editing the transfer function shows
+    what happens to the ray behind the same spot of the screen.
+
+    Parameters
+    ----------
+    store, documents, workers
+        Those of the window.
+    views : ViewArea
+        Where a click chooses the pixel; the ray is that of the active view, its mark is shown in all of them.
+    panel : RayPanel
+        Shows the ray.
+    """
+
+    value_pointed = Signal(object)
+    """Value of the chosen sample, None without one."""
+
+    def __init__(
+        self,
+        store: Store,
+        documents: Documents,
+        workers: Workers,
+        views: ViewArea,
+        panel: RayPanel,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._store, self._documents, self._workers = store, documents, workers
+        self._views, self.panel = views, panel
+        self.place: tuple[float, float] | None = None
+        self.is_active = False
+        self._shown: _Wanted | None = None
+        self._working: _Wanted | None = None
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(FOLLOW_MS)
+        self._timer.timeout.connect(self._follow)
+        views.clicked.connect(self._on_clicked)
+        views.drawn.connect(self._ask)
+        store.changed.connect(self._on_scene_changed)
+        documents.volume_changed.connect(self._ask)
+        panel.pixel_entered.connect(self._on_pixel_entered)
+        panel.cleared.connect(self.clear)
+        panel.plot.sample_chosen.connect(self._show_sample)
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the panel shows the present state."""
+        return not self._timer.isActive() and self._working is None
+
+    # ------------------------------------------------------------------ what is inspected
+
+    def set_active(self, active: bool) -> None:
+        """The panel is opened or closed; opened for the first time it follows the middle of the picture."""
+        if active == self.is_active:
+            return
+        self.is_active = active
+        if active:
+            self.place = self.place or (0.5, 0.5)
+            self._ask()
+        else:
+            self._timer.stop()
+            self._shown = None
+            self._views.show_ray_mark(None)
+            self.value_pointed.emit(None)
+
+    def inspect(self, place: tuple[float, float]) -> None:
+        """Follow the ray at fractions of the viewport's width and height, from the upper left."""
+        self.place = (min(max(place[0], 0.0), 1.0), min(max(place[1], 0.0), 1.0))
+        self._ask()
+
+    def clear(self) -> None:
+        """Forget the ray."""
+        self.place = None
+        self._shown = None
+        self.panel.show_ray(None, "", "", (0.0, 1.0))
+        self._views.show_ray_mark(None)
+        self.value_pointed.emit(None)
+
+    def close(self) -> None:
+        """The window ends."""
+        self._timer.stop()
+        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+
+    # ------------------------------------------------------------------ following
+
+    def _on_clicked(self, view: int, position: QPointF) -> None:
+        if self.is_active:
+            viewport = self._views.panes[view].viewport
+            self.inspect((position.x() / viewport.width(), position.y() / viewport.height()))
+
+    def _on_pixel_entered(self, column: int, row: int) -> None:
+        width, height = self._views.active.viewport.pixel_size
+        self.inspect(((column + 0.5) / width, (row + 0.5) / height))
+
+    def _on_scene_changed(self, _old: Scene, _new: Scene) -> None:
+        self._ask()
+
+    def _ask(self, *_ignored: object) -> None:
+        if self.is_active and self.place is not None and not self._timer.isActive():
+            self._timer.start()
+
+    def _wanted(self) -> _Wanted | None:
+        scene, volume = self._store.scene, self._documents.volume
+        if (
+            self.place is None
+            or volume is None
+            or scene.layer is None
+            or not self._documents.is_ready_for(scene)
+        ):
+            return None
+        pane = self._views.active
+        width, height = size = pane.viewport.pixel_size
+        pixel = (min(int(self.place[0] * width), width - 1), min(int(self.place[1] * height), height - 1))
+        view, projection = _matrices(pane.viewport.renderer)
+        return _Wanted(
+            volume=volume,
+            technique=current_technique(scene, pane.view).id,
+            settings=current_settings(scene, pane.view),
+            function=scene.layer.transfer_function,
+            light=scene.light,
+            clipping=scene.clipping,
+            view=view.tobytes(),
+            projection=projection.tobytes(),
+            size=size,
+            pixel=pixel,
+            depth=pane.display.opaque_depth(*pixel),
+        )
+
+    def _follow(self) -> None:
+        if not self.is_active or self._working is not None:
+            return
+        wanted = self._wanted()
+        if wanted is None:
+            self._shown = None
+            self.panel.show_ray(None, "", "", (0.0, 1.0))
+            self._views.show_ray_mark(None)
+            return
+        if wanted == self._shown:
+            return
+        self._working = wanted
+        task = self._workers.start(lambda _task: _inspected(wanted))
+        task.succeeded.connect(self._on_inspected)
+        task.failed.connect(self._on_failed)
+        task.ended.connect(self._on_ended)
+
+    def _on_inspected(self, found: RayInspection) -> None:
+        wanted = self._working
+        if wanted is None or not self.is_active or self.place is None:
+            return
+        self._shown = wanted
+        volume = wanted.volume
+        length_unit = str(volume.metadata.get("length_unit", "mm"))
+        self.panel.show_pixel(found.pixel)
+        self.panel.show_ray(found, volume.unit, length_unit, volume.range)
+        self._views.show_ray_mark(
+            ((found.pixel[0] + 0.5) / wanted.size[0], 1.0 - (found.pixel[1] + 0.5) / wanted.size[1])
+        )
+        self._show_sample(self.panel.plot.chosen)
+
+    def _on_failed(self, error: object) -> None:
+        self._shown = self._working
+        self.panel.show_ray(None, "", "", (0.0, 1.0))
+        self.panel.sentence.setText(str(error))
+
+    def _on_ended(self) -> None:
+        self._working = None
+        # what has changed meanwhile; nothing is computed when it is the same
+        self._ask()
+
+    def _show_sample(self, index: int) -> None:
+        """Tell the value of the chosen sample."""
+        found = self.panel.plot.found
+        if not self.is_active or found is None:
+            return
+        is_there = 0 <= index < len(found.profile.values)
+        self.value_pointed.emit(float(found.profile.values[index]) if is_there else None)
+
+
+def _inspected(wanted: _Wanted) -> RayInspection:
+    """Runs on a worker."""
+    return inspect_ray(
+        wanted.volume, wanted.technique, wanted.settings, wanted.function,
+        view=np.frombuffer(wanted.view).reshape(4, 4), projection=np.frombuffer(wanted.projection).reshape(4, 4),
+        size=wanted.size, pixel=wanted.pixel, light=wanted.light, clipping=wanted.clipping, depth=wanted.depth,
+    )  # fmt: skip
+
+
+def _matrices(renderer: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """View and projection matrices of the picture."""
+    camera = renderer.GetActiveCamera()
+    view = camera.GetModelViewTransformMatrix()
+    projection = camera.GetProjectionTransformMatrix(renderer.GetTiledAspectRatio(), -1, 1)
+    return (
+        np.array([view.GetElement(i, j) for i in range(4) for j in range(4)]),
+        np.array([projection.GetElement(i, j) for i in range(4) for j in range(4)]),
+    )
