@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
+from volviz.custom_gl.gpu.scalars import BRICK, bricks_of, gradient_bricks_of
+from volviz.custom_gl.gpu.tables import baked
+from volviz.kernels.brick_gradients import occupancy_by_gradient, visible_plane_sums
 from volviz.kernels.bricks import occupancy, visible_prefix
+from volviz.kernels.gradient import gradient_magnitude
 from volviz.model.camera import Camera
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -42,7 +45,8 @@ def default_camera(
     azimuth, elevation : float
         Further turn in degrees.
     transfer_function : TransferFunction, optional
-        Frames only what this function shows, rather than the whole box.
+        Frames only what this function shows, rather than the whole box: its regions when it has any (see
+        `volviz.custom_gl.technique.drawn_function`).
     """
     points = volume.corners if transfer_function is None else visible_points(volume, transfer_function)
     turned = Camera.fit(points).turned(AZIMUTH + azimuth, ELEVATION + elevation)
@@ -72,7 +76,14 @@ def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.N
 def _voxels(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
     """First and last visible voxel of every row and some air around them, as indices (i, j, k)."""
     scalars = np.where(np.isfinite(volume.array), volume.array, volume.range[0])
-    seen = transfer_function.evaluate(scalars, volume.range)[..., 3] >= VISIBLE_OPACITY
+    if transfer_function.by_gradient is None:
+        opacity = transfer_function.evaluate(scalars, volume.range)[..., 3]
+    else:
+        gradients = gradient_magnitude(volume.array, volume.spacing, lowest=volume.range[0])
+        opacity = (
+            transfer_function.by_gradient.evaluate(scalars, gradients)[..., 3] * transfer_function.opacity
+        )
+    seen = opacity >= VISIBLE_OPACITY
     k, j = np.nonzero(seen.any(axis=2))
     rows = seen[k, j]
     first = rows.argmax(axis=1)
@@ -89,10 +100,16 @@ def _voxels(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[
 
 def _bricks(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
     """Corners of the visible bricks, as indices (i, j, k) limited to the volume."""
-    bricks = bricks_of(volume)
-    opacity = transfer_function.bake(volume.range)[:, 3]
-    prefix = visible_prefix(np.where(opacity >= VISIBLE_OPACITY, opacity, 0.0))
-    occupied = occupancy(bricks.low, bricks.high, prefix, volume.range)
+    bricks, table = bricks_of(volume), baked(transfer_function, volume)
+    opacity = np.where(table.opacity >= VISIBLE_OPACITY, table.opacity, 0.0)
+    if table.gradients is None:
+        occupied = occupancy(bricks.low, bricks.high, visible_prefix(opacity[0]), table.values)
+    else:
+        steep = gradient_bricks_of(volume)
+        occupied = occupancy_by_gradient(
+            (bricks.low, bricks.high), (steep.low, steep.high), visible_plane_sums(opacity),
+            table.values, table.gradients,
+        )  # fmt: skip
     touched = np.zeros([n + 1 for n in occupied.shape], bool)
     nz, ny, nx = occupied.shape
     for c in range(8):

@@ -79,10 +79,7 @@ def render(
     color = background_color(background)
     if transfer_function is None:
         transfer_function = TransferFunction.auto(volume)
-    if camera is None:
-        view = default_camera(volume, (width, height), transfer_function=transfer_function)
-    else:
-        view = Camera.coerce(camera)
+    view = None if camera is None else Camera.coerce(camera)
     premultiplied = _draw(
         volume, technique, (width, height), view,
         dict(
@@ -123,7 +120,7 @@ def apply_camera(target: Any, camera: Camera) -> None:
 
 
 def _draw(
-    volume: Volume, technique: str, size: tuple[int, int], camera: Camera, arguments: dict[str, Any]
+    volume: Volume, technique: str, size: tuple[int, int], camera: Camera | None, arguments: dict[str, Any]
 ) -> npt.NDArray[np.float32]:
     from volviz.custom_gl.host import add_volume
     from volviz.custom_gl.host.vtk_border import pyvista
@@ -137,6 +134,8 @@ def _draw(
         assert window is not None
         window.SetMultiSamples(0)
         handle = add_volume(plotter, volume, technique, **arguments)
+        if camera is None:
+            camera = default_camera(volume, size, transfer_function=handle.drawn_function)
         apply_camera(plotter.camera, camera)
         plotter.reset_camera_clipping_range()
         plotter.show(auto_close=False, interactive=False)

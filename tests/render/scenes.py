@@ -122,7 +122,18 @@ def oracle(
         gradient_opacity=settings["gradient_opacity"], crop=values.get("crop"),
         clip_planes=values.get("clip_planes", ()), interpolation=settings["interpolation"],
         preintegrated=settings.get("preintegrated", False), density_threshold=settings["density_threshold"],
+        gradient_delta=settings["gradient_delta"], **gradient_table(of, transfer),
     )  # fmt: skip
+
+
+def gradient_table(of: volviz.Volume, transfer: volviz.TransferFunction) -> dict[str, Any]:
+    """Arguments of the oracle for the regions of a function; fine enough that the table does not count."""
+    if transfer.by_gradient is None:
+        return {}
+    top = max(region.gradient_high for region in transfer.by_gradient.regions) * 1.01
+    table = transfer.by_gradient.bake(of.range, (0.0, top), (1536, 1024))
+    table[..., 3] *= transfer.opacity
+    return {"gradient_table": table, "gradient_range": (0.0, top)}
 
 
 def picture(

@@ -9,6 +9,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from PySide6.QtWidgets import QApplication
 
+from volviz.custom_gl.technique import drawn_function
 from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.light import default_position
@@ -226,9 +227,10 @@ class Display(QObject):
     def _frame_scene(self, volume: Volume, scene: Scene) -> None:
         camera = view_of(scene, self._view).camera
         if camera is None and scene.layer is not None and self._view == 0:
-            camera = default_camera(
-                volume, self._viewport.pixel_size, transfer_function=scene.layer.transfer_function
+            function = drawn_function(
+                current_technique(scene), current_settings(scene), scene.layer.transfer_function
             )
+            camera = default_camera(volume, self._viewport.pixel_size, transfer_function=function)
             self._commit(camera)
         if camera is not None:
             self._viewport.show_camera(camera)

@@ -9,8 +9,9 @@ from PySide6.QtCore import QPointF, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QMainWindow
 
+from volviz.custom_gl.technique import regions_unused
 from volviz.errors import InputError
-from volviz.model.scene import Store
+from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
 from volviz_ui.actions import Actions
 from volviz_ui.app_icon import app_icon
@@ -32,7 +33,7 @@ from volviz_ui.memory import return_freed_memory
 from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
-from volviz_ui.panels.technique_box import current_technique
+from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.picking import Picked, picked_voxel
 from volviz_ui.preferences import Preferences
 from volviz_ui.ray_inspector.inspector import RayInspector
@@ -207,6 +208,7 @@ class MainWindow(QMainWindow):
         self.transfer_editor.value_hovered.connect(self.ray_panel.plot.mark_value)
         self.store.history_changed.connect(self._show_history)
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
+        show_value(self.store, _why_no_regions, self._show_regions_unused)
         show_value(
             self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function
         )
@@ -284,6 +286,9 @@ class MainWindow(QMainWindow):
         self._memory_timer.start()
 
     # ------------------------------------------------------------------ showing
+
+    def _show_regions_unused(self, why_not: str) -> None:
+        self.transfer_editor.set_two_dimensional_available(not why_not, why_not)
 
     def _show_technique(self, technique: str) -> None:
         self.status_line.show_technique(current_technique(self.store.scene).label)
@@ -458,3 +463,7 @@ class MainWindow(QMainWindow):
         self.views.close_views()
         self.documents.close()
         super().closeEvent(event)
+
+
+def _why_no_regions(scene: Scene) -> str:
+    return regions_unused(current_technique(scene), current_settings(scene))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
+from volviz.custom_gl.technique import drawn_function
 from volviz.errors import SettingError
 from volviz.framing import default_camera
 from volviz.model.parameters import Parameter
@@ -30,11 +31,12 @@ class ViewCommands(QObject):
 
     def reset_camera(self) -> None:
         """See all that is visible, a little from the side, as at first."""
-        volume, layer = self._window.documents.volume, self._window.store.scene.layer
-        if volume is not None and layer is not None:
-            camera = default_camera(
-                volume, self._window.viewport.pixel_size, transfer_function=layer.transfer_function
+        volume, scene = self._window.documents.volume, self._window.store.scene
+        if volume is not None and scene.layer is not None:
+            function = drawn_function(
+                current_technique(scene), current_settings(scene), scene.layer.transfer_function
             )
+            camera = default_camera(volume, self._window.viewport.pixel_size, transfer_function=function)
             self._window.display.show_camera(self._with_projection(camera))
 
     def show_axis_view(self, letter: str) -> None:

@@ -96,14 +96,18 @@ def draw(
     """Draw one picture and say where it lies and how long it took."""
     from dataclasses import replace
 
+    from volviz.custom_gl.technique import drawn_function
     from volviz.framing import default_camera
+    from volviz.model.parameters import make_settings
     from volviz.model.transfer_function import TransferFunction
     from volviz.offscreen import render
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
     function = function or TransferFunction.auto(volume)
-    camera = default_camera(volume, size, options.azimuth, options.elevation, function)
+    own = {p.name: values[p.name] for p in info.parameters if p.name in values}
+    shown = drawn_function(info, make_settings(info.settings, own, owner=info.id), function)
+    camera = default_camera(volume, size, options.azimuth, options.elevation, shown)
     camera = replace(
         camera, view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0), parallel=options.parallel
     )

@@ -26,7 +26,7 @@ def march_program(
     """
     settings = frame.settings
     mode = settings.mode
-    if mode == "composite" and settings.preintegrated:
+    if mode == "composite" and settings.preintegrated and frame.transfer_function.by_gradient is None:
         mode = "preintegrated"
     # opacities per step in the table save a power per sample; gradient opacity must act before the correction
     per_step = mode == "composite" and not settings.gradient_opacity
@@ -35,7 +35,9 @@ def march_program(
     )
     if per_step:
         length = frame.step_world / frame.unit_distance
-        table = frame.resources.table_per_length(frame.transfer_function, length)
+        table = frame.resources.table_per_length(
+            frame.transfer_function, length, interactive=frame.interactive
+        )
         program.use_texture("t_table", table)
         program.set({"u_inverse_unit_distance": 1.0 / frame.step_world})
     return program

@@ -16,6 +16,8 @@ MODES = (
     ("additive", "Additive (emission only)"),
     ("attenuated_maximum", "Attenuated maximum"),
 )
+#: Modes that classify every sample; the others classify one value per ray.
+CLASSIFYING_MODES = ("composite", "additive")
 
 INTERPOLATIONS = (("linear", "Trilinear"), ("nearest", "Nearest voxel"))
 

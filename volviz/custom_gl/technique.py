@@ -7,13 +7,14 @@ of VTK, which the host lets VTK draw into the same target. Both are described by
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES
 from volviz.model.parameters import Parameter, parameters_of
 
 if TYPE_CHECKING:
@@ -54,6 +55,8 @@ class TechniqueInfo:
         Settings of the well-known teaching programs (``--classic``).
     uses_transfer_function : bool
         Whether the transfer function changes its picture.
+    by_gradient : bool
+        Whether it draws regions over value and gradient (`TransferFunction.by_gradient`).
     inert : mapping of str to str
         Settings that do not change the default picture, each with the reason; the contract tests read it.
     order : int
@@ -74,6 +77,7 @@ class TechniqueInfo:
     displays: tuple[tuple[str, str], ...] = (("image", "Image"),)
     classic: Mapping[str, Any] = field(default_factory=dict)
     uses_transfer_function: bool = True
+    by_gradient: bool = False
     inert: Mapping[str, str] = field(default_factory=dict)
     order: int = 100
     counterpart_of: tuple[str, ...] = ()
@@ -88,6 +92,35 @@ class TechniqueInfo:
     def parameters(self) -> tuple[Parameter, ...]:
         """Descriptions of its settings."""
         return parameters_of(self.settings)
+
+
+def regions_unused(info: TechniqueInfo, settings: Any) -> str:
+    """Why a technique with these settings draws the curve and not the regions; empty when it draws them.
+
+    Parameters
+    ----------
+    info : TechniqueInfo
+        The technique.
+    settings : object
+        Instance of its settings class.
+    """
+    if not info.by_gradient:
+        return f"{info.label} draws the curve over the value; regions need a technique that classifies every sample."
+    mode = getattr(settings, "mode", "composite")
+    if mode not in CLASSIFYING_MODES:
+        label = dict(MODES).get(mode, mode)
+        return f"{label} classifies one value per ray and draws the curve; regions need compositing or additive mode."
+    return ""
+
+
+def drawn_function(info: TechniqueInfo, settings: Any, function: TransferFunction) -> TransferFunction:
+    """The function as a technique with these settings draws it: without regions that are switched off or unused.
+
+    The same object where nothing is to be left out, since textures are keyed by it.
+    """
+    if function.by_gradient is None or (function.by_gradient.enabled and not regions_unused(info, settings)):
+        return function
+    return replace(function, by_gradient=None)
 
 
 @dataclass(frozen=True)
@@ -137,7 +170,7 @@ class Frame:
     resources : VolumeResources
         Textures of the volume and its transfer function (see `volviz.custom_gl.gpu.resources`).
     transfer_function : TransferFunction
-        In data units.
+        In data units; with `by_gradient` only where regions are to be drawn (see `drawn_function`).
     settings : object
         Instance of the technique's settings class.
     camera : FrameCamera
@@ -225,8 +258,9 @@ class Frame:
     ) -> Program:
         """A program with the defines that depend on the frame, ready to draw (see `apply`).
 
-        ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at; ``NEAREST``, ``SHADING`` and
-        ``GRADIENT_OPACITY`` follow the settings of these names and can be overridden.
+        ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at, ``BY_GRADIENT`` when the transfer function
+        is one of value and gradient; ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY`` follow the settings of
+        these names and can be overridden.
         """
         settings = self.settings
         shared: dict[str, object] = {
@@ -234,6 +268,7 @@ class Frame:
             "NEAREST": getattr(settings, "interpolation", "linear") == "nearest",
             "SHADING": bool(getattr(settings, "shading", False)),
             "GRADIENT_OPACITY": getattr(settings, "gradient_opacity", 0.0) > 0,
+            "BY_GRADIENT": self.transfer_function.by_gradient is not None,
         }
         program = self.gpu.programs.get(vertex, fragment, shared | dict(defines or {}), hooks)
         self.apply(program)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.errors import InputError
 from volviz.kernels.arrays import check_scalars, native_slab
 from volviz.kernels.bricks import DEFAULT_BRICK, brick_grid_shape
 from volviz.kernels.compiled import compiled
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 AnyArray = npt.NDArray[Any]
+BoolArray = npt.NDArray[np.bool_]
 Float32Array = npt.NDArray[np.float32]
 
 #: Voxels of reach on each side: one for the trilinear support, one for a central difference of at most a
@@ -71,6 +73,77 @@ def brick_gradient_bounds(
 
     map_ranges(fill, grid[0])
     return lows, highs
+
+
+def visible_plane_sums(opacity: npt.ArrayLike) -> npt.NDArray[np.int64]:
+    """Counts of visible entries below and to the left, from which `occupancy_by_gradient` answers each brick.
+
+    Parameters
+    ----------
+    opacity : array_like of shape (rows, columns)
+        Opacities of a table over value (columns) and gradient magnitude (rows); above 0 = visible.
+
+    Returns
+    -------
+    ndarray of shape (rows + 1, columns + 1), int64
+        Element (j, i) counts the visible entries before row j and column i (Crow 1984, summed-area table).
+    """
+    visible = np.asarray(opacity) > 0
+    if visible.ndim != 2 or visible.size == 0:
+        raise InputError(f"an opacity table over value and gradient has two axes, got shape {visible.shape}.")
+    sums = np.zeros((visible.shape[0] + 1, visible.shape[1] + 1), np.int64)
+    sums[1:, 1:] = visible.cumsum(axis=0, dtype=np.int64).cumsum(axis=1)
+    return sums
+
+
+def occupancy_by_gradient(
+    values: tuple[Float32Array, Float32Array],
+    gradients: tuple[Float32Array, Float32Array] | None,
+    sums: npt.NDArray[np.int64],
+    value_range: tuple[float, float],
+    gradient_range: tuple[float, float],
+) -> BoolArray:
+    """Which bricks hold anything visible under a transfer function of value and gradient magnitude.
+
+    Parameters
+    ----------
+    values : (mins, maxs), ndarrays of shape (b_z, b_y, b_x), float32
+        From `volviz.kernels.bricks.brick_min_max`, in data units.
+    gradients : (lows, highs) of the same shapes, or None
+        From `brick_gradient_bounds`; None: any gradient may be anywhere.
+    sums : ndarray of shape (rows + 1, columns + 1), int64
+        From `visible_plane_sums` of the table.
+    value_range, gradient_range : (lo, hi), lo <= hi
+        Of the table's first and last column and row; beyond them the end entries count.
+
+    Returns
+    -------
+    ndarray of shape (b_z, b_y, b_x), bool
+        True when an entry that linear look-ups within both intervals can touch, or one beside those, is
+        visible: nothing visible is ever called empty.
+    """
+    rows, columns = (n - 1 for n in sums.shape)
+    left, right = _entries_between(*values, columns, value_range)
+    if gradients is None:
+        below = np.zeros_like(left)
+        above = np.full_like(left, rows)
+    else:
+        below, above = _entries_between(*gradients, rows, gradient_range)
+    inside = sums[above, right] - sums[below, right] - sums[above, left] + sums[below, left]
+    return np.asarray(inside > 0)
+
+
+def _entries_between(
+    low: Float32Array, high: Float32Array, count: int, limits: tuple[float, float]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """First entry that look-ups in an interval may touch, and the one after the last, with one more each way."""
+    scale = (count - 1) / (limits[1] - limits[0]) if limits[1] > limits[0] else 0.0
+    first = np.floor((low.astype(np.float64) - limits[0]) * scale) - 1
+    last = np.ceil((high.astype(np.float64) - limits[0]) * scale) + 1
+    return (
+        np.clip(first, 0, count - 1).astype(np.int64),
+        np.clip(last, 0, count - 1).astype(np.int64) + 1,
+    )
 
 
 @compiled

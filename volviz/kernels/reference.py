@@ -27,7 +27,7 @@ from volviz.kernels.reference_march import (
     draw_scalar,
 )
 from volviz.kernels.reference_rays import Plane, index_to_world_matrix, volume_rays
-from volviz.kernels.reference_sampling import Float64Array, Shading, make_field, make_lamp
+from volviz.kernels.reference_sampling import Float64Array, Shading, make_field, make_lamp, make_plane
 from volviz.kernels.threads import map_ranges
 
 if TYPE_CHECKING:
@@ -63,6 +63,9 @@ def reference_render(
     interpolation: str = "linear",
     preintegrated: bool = False,
     density_threshold: float = 0.0,
+    gradient_table: npt.ArrayLike | None = None,
+    gradient_range: tuple[float, float] | None = None,
+    gradient_delta: float = 1.0,
 ) -> Float64Array:
     """The picture that a perfect renderer would draw, in float64.
 
@@ -123,6 +126,13 @@ def reference_render(
         Samples with a value below ``lo + density_threshold (hi - lo)`` contribute nothing, in any mode:
         they count neither in the mean's sum nor in its length. A ray without a contributing sample is
         empty.
+    gradient_table : array_like of shape (m, n, 4), optional
+        Straight RGBA over gradient magnitude (rows) and value (columns, over `value_range`), which ``composite``
+        and ``additive`` take instead of `table`; bilinear in colours weighted by opacity, clamped.
+    gradient_range : (lo, hi), optional
+        Of its first and last row, data units per world unit.
+    gradient_delta : float, default: 1.0
+        Distance of the central differences in voxels, where `shading` does not say it.
 
     Returns
     -------
@@ -144,6 +154,8 @@ def reference_render(
         )
     if preintegrated and mode != "composite":
         raise InputError(f'preintegrated needs mode "composite", got {mode!r}.')
+    if gradient_table is not None and (preintegrated or mode not in ("composite", "additive")):
+        raise InputError('gradient_table needs mode "composite" or "additive", not pre-integrated.')
     matrix = index_to_world_matrix(spacing, origin, direction)
     mean_spacing = float(np.mean(spacing))
     rgba = np.ascontiguousarray(table, np.float64)
@@ -162,6 +174,7 @@ def reference_render(
             gradient_reference if gradient_reference is not None else (high - low) / (4 * mean_spacing)
         ),
         extinction=extinction,
+        plane=make_plane(gradient_table, value_range, gradient_range),
     )
     march = March(
         step=float(step_world),
@@ -170,7 +183,7 @@ def reference_render(
         early_termination=float(early_termination),
         attenuation=float(attenuation),
     )
-    delta = shading.gradient_delta if shading is not None else 1.0
+    delta = shading.gradient_delta if shading is not None else gradient_delta
     field = make_field(array, matrix, interpolation=interpolation, delta=delta, value_range=value_range)
     lamp = make_lamp(shading)
     rays = volume_rays(

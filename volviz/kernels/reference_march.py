@@ -12,9 +12,11 @@ from volviz.kernels.reference_sampling import (
     Field,
     Float64Array,
     Lamp,
+    Plane,
     gradient_world,
     lighting,
     look_up,
+    look_up_plane,
     sample_world,
 )
 
@@ -33,6 +35,8 @@ class Classification(NamedTuple):
     gradient_opacity: float
     gradient_reference: float
     extinction: Extinction
+    plane: Plane
+    """Takes the table's place where samples are classified one by one."""
 
 
 class March(NamedTuple):
@@ -94,13 +98,19 @@ def draw_colors(
                 value = sample_world(field, p[0], p[1], p[2])
                 if value < classes.lowest_shown:
                     continue
-                alpha = look_up(classes.table, classes.low, classes.high, value, 3)
+                gradient = (0.0, 0.0, 0.0)
+                if lamp.on or classes.gradient_opacity > 0 or classes.plane.on:
+                    gradient = gradient_world(field, p[0], p[1], p[2])
+                if classes.plane.on:
+                    magnitude = np.sqrt(gradient[0] ** 2 + gradient[1] ** 2 + gradient[2] ** 2)
+                    alpha = look_up_plane(classes.plane, value, magnitude, color)
+                else:
+                    alpha = look_up(classes.table, classes.low, classes.high, value, 3)
+                    for c in range(3):
+                        color[c] = look_up(classes.table, classes.low, classes.high, value, c)
                 if alpha <= 0:
                     continue
-                for c in range(3):
-                    color[c] = look_up(classes.table, classes.low, classes.high, value, c)
                 if lamp.on or classes.gradient_opacity > 0:
-                    gradient = gradient_world(field, p[0], p[1], p[2])
                     alpha *= gradient_weight(classes, gradient)
                     if lamp.on and (gradient[0] != 0 or gradient[1] != 0 or gradient[2] != 0):
                         diffuse, highlight = lighting(lamp, gradient, p, ray)

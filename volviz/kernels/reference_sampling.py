@@ -186,6 +186,56 @@ def look_up(table: Float64Array, low: float, high: float, value: float, channel:
     return table[i, channel] * (1 - f) + table[min(i + 1, n - 1), channel] * f  # type: ignore[no-any-return]
 
 
+class Plane(NamedTuple):
+    """A transfer function over value and gradient magnitude, in a form compiled code can read."""
+
+    on: bool
+    table: Float64Array
+    """Colour times opacity and opacity, shape (gradients, values, 4)."""
+    value_low: float
+    value_high: float
+    gradient_low: float
+    gradient_high: float
+
+
+def make_plane(
+    table: npt.ArrayLike | None, value_range: tuple[float, float], gradient_range: tuple[float, float] | None
+) -> Plane:
+    """A table of shape (gradients, values, 4), straight RGBA, over two ranges; None = off."""
+    if table is None:
+        return Plane(False, np.zeros((1, 1, 4)), 0.0, 1.0, 0.0, 1.0)
+    texels = np.array(table, np.float64)
+    if texels.ndim != 3 or texels.shape[2] != 4 or min(texels.shape[:2]) < 2 or gradient_range is None:
+        raise InputError(
+            f"a table over gradient and value has shape (m, n, 4) and a gradient_range, got {texels.shape}."
+        )
+    texels[..., :3] *= texels[..., 3:]
+    low, high = (float(v) for v in value_range)
+    return Plane(True, texels, low, high, float(gradient_range[0]), float(gradient_range[1]))
+
+
+@compiled
+def look_up_plane(plane: Plane, value: float, magnitude: float, color: Float64Array) -> float:
+    """Opacity at a value and a gradient magnitude; sets `color`, straight.
+
+    Opacity and colours weighted by it are bilinear between entries and clamped at the ends.
+    """
+    rows, columns = plane.table.shape[:2]
+    x = (value - plane.value_low) / (plane.value_high - plane.value_low)
+    y = (magnitude - plane.gradient_low) / (plane.gradient_high - plane.gradient_low)
+    x = min(max(x, 0.0), 1.0) * (columns - 1)
+    y = min(max(y, 0.0), 1.0) * (rows - 1)
+    i, j = min(int(x), columns - 2), min(int(y), rows - 2)
+    u, v = x - i, y - j
+    entry = (plane.table[j, i] * (1 - u) + plane.table[j, i + 1] * u) * (1 - v) + (
+        plane.table[j + 1, i] * (1 - u) + plane.table[j + 1, i + 1] * u
+    ) * v
+    if entry[3] > 0:
+        for c in range(3):
+            color[c] = entry[c] / entry[3]
+    return float(entry[3])
+
+
 @compiled
 def lighting(
     lamp: Lamp, gradient: tuple[float, float, float], position: Float64Array, ray: Float64Array

@@ -10,8 +10,20 @@ import numpy.typing as npt
 from volviz.errors import InputError
 from volviz.kernels.compiled import compiled
 from volviz.kernels.preintegration import extinction_sums
-from volviz.kernels.reference_rays import Plane, Rays, index_limits, index_to_world_matrix, volume_rays
-from volviz.kernels.reference_sampling import Field, Float64Array, look_up, make_field, sample_world, to_index
+from volviz.kernels.reference_rays import Plane as ClipPlane
+from volviz.kernels.reference_rays import Rays, index_limits, index_to_world_matrix, volume_rays
+from volviz.kernels.reference_sampling import (
+    Field,
+    Float64Array,
+    Plane,
+    gradient_world,
+    look_up,
+    look_up_plane,
+    make_field,
+    make_plane,
+    sample_world,
+    to_index,
+)
 from volviz.kernels.threads import map_ranges
 
 if TYPE_CHECKING:
@@ -35,6 +47,8 @@ class ShadowScene(NamedTuple):
     limits: Float64Array
     planes: Float64Array
     """Shape (m, 6): origin and normal."""
+    plane: Plane
+    """Takes the table's place when it is on."""
 
 
 def reference_shadows(
@@ -56,8 +70,10 @@ def reference_shadows(
     light_step: float | None = None,
     unit_distance: float | None = None,
     crop: Sequence[float] | None = None,
-    clip_planes: Sequence[Plane] = (),
+    clip_planes: Sequence[ClipPlane] = (),
     density_threshold: float = 0.0,
+    gradient_table: npt.ArrayLike | None = None,
+    gradient_range: tuple[float, float] | None = None,
 ) -> Float64Array:
     """The picture with volumetric shadows that half-angle slicing approximates.
 
@@ -66,10 +82,11 @@ def reference_shadows(
     the light: along the straight way to it, until the light or the end of what is shown, ``T_rgb = product
     of (1 - a)^(kappa_rgb d / unit)`` over midpoint samples of opacity a that stand for a length d.
 
-    Parameters ---------- array, spacing, origin, direction, table, value_range, view, projection, size,
-    step_world, unit_distance, crop
-        As in `reference_render`, and so are `clip_planes` and `density_threshold`; what is cut away or
-        below the threshold casts no shadow.
+    Parameters
+    ----------
+    array, spacing, origin, direction, table, value_range, view, projection, size, step_world, unit_distance, crop
+        As in `reference_render`, and so are `clip_planes`, `density_threshold`, `gradient_table` and
+        `gradient_range`; what is cut away or below the threshold casts no shadow.
     light_position : tuple of 3 floats
         World position of the light, anywhere.
     light_color : tuple of 3 floats
@@ -113,6 +130,7 @@ def reference_shadows(
         ambient=float(ambient),
         limits=index_limits(array.shape, crop),
         planes=planes,
+        plane=make_plane(gradient_table, value_range, gradient_range),
     )
     field = make_field(array, matrix, interpolation="linear", delta=1.0, value_range=value_range)
     rays = volume_rays(
@@ -128,9 +146,16 @@ def reference_shadows(
 
 
 @compiled
-def _opacity(scene: ShadowScene, value: float) -> float:
+def _classified(field: Field, scene: ShadowScene, x: float, y: float, z: float, color: Float64Array) -> float:
+    """Opacity at a world position; sets `color`, straight."""
+    value = sample_world(field, x, y, z)
     if value < scene.lowest_shown:
         return 0.0
+    if scene.plane.on:
+        gx, gy, gz = gradient_world(field, x, y, z)
+        return look_up_plane(scene.plane, value, np.sqrt(gx * gx + gy * gy + gz * gz), color)
+    for c in range(3):
+        color[c] = look_up(scene.table, scene.low, scene.high, value, c)
     return look_up(scene.table, scene.low, scene.high, value, 3)
 
 
@@ -168,12 +193,12 @@ def _way_to_light(field: Field, scene: ShadowScene, p: Float64Array, ray: Float6
 def _depth_to_light(field: Field, scene: ShadowScene, p: Float64Array, ray: Float64Array) -> float:
     """Logarithm of what reaches a point from the light, for kappa = 1; -inf behind something opaque."""
     way = _way_to_light(field, scene, p, ray)
+    color = np.empty(3)
     total = 0.0
     for k in range(int(np.ceil(way / scene.light_step - 1e-11))):
         length = min(scene.light_step, way - k * scene.light_step)
         t = k * scene.light_step + 0.5 * length
-        value = sample_world(field, p[0] + t * ray[0], p[1] + t * ray[1], p[2] + t * ray[2])
-        alpha = _opacity(scene, value)
+        alpha = _classified(field, scene, p[0] + t * ray[0], p[1] + t * ray[1], p[2] + t * ray[2], color)
         if alpha > 0:
             total += np.log1p(-alpha) * length / scene.unit_distance
     return total
@@ -182,7 +207,7 @@ def _depth_to_light(field: Field, scene: ShadowScene, p: Float64Array, ray: Floa
 @compiled
 def _draw_shadowed(rays: Rays, field: Field, scene: ShadowScene, picture: Float64Array) -> None:
     rows, columns = rays.entries.shape
-    p = np.empty(3)
+    p, color = np.empty(3), np.empty(3)
     toward = np.empty(3)
     for row in range(rows):
         for column in range(columns):
@@ -195,8 +220,8 @@ def _draw_shadowed(rays: Rays, field: Field, scene: ShadowScene, picture: Float6
                 t = entry + k * scene.step + 0.5 * length
                 for axis in range(3):
                     p[axis] = start[axis] + t * ray[axis]
-                value = sample_world(field, p[0], p[1], p[2])
-                alpha = 1.0 - (1.0 - _opacity(scene, value)) ** (length / scene.unit_distance)
+                alpha = _classified(field, scene, p[0], p[1], p[2], color)
+                alpha = 1.0 - (1.0 - alpha) ** (length / scene.unit_distance)
                 if alpha <= 0:
                     continue
                 depth = _depth_to_light(field, scene, p, toward)
@@ -205,5 +230,5 @@ def _draw_shadowed(rays: Rays, field: Field, scene: ShadowScene, picture: Float6
                     # kappa 0 lets everything pass, even where the depth is infinite
                     light = np.exp(scene.kappa[c] * depth) if scene.kappa[c] > 0 else 1.0
                     brightness = scene.ambient + (1.0 - scene.ambient) * scene.light_color[c] * light
-                    pixel[c] += weight * brightness * look_up(scene.table, scene.low, scene.high, value, c)
+                    pixel[c] += weight * brightness * color[c]
                 pixel[3] += weight

@@ -14,7 +14,7 @@ Key = Qt.Key
 @pytest.fixture
 def plane(editor, store, qtbot):
     editor.set_two_dimensional_available(True)
-    editor.two_button.click()
+    editor.dimensions.two_button.click()
     qtbot.waitUntil(
         lambda: editor.joint.histogram is not None and editor.joint.histogram.done == 1.0, timeout=30000
     )
@@ -32,23 +32,39 @@ def region_of(store) -> Region:
 
 
 def test_the_switch_is_hidden_until_a_technique_can_use_it(editor) -> None:
-    assert not editor.two_button.isVisible()
+    assert not editor.dimensions.two_button.isVisible()
     editor.set_two_dimensional_available(True)
-    assert editor.two_button.isVisible()
+    assert editor.dimensions.two_button.isVisible()
+
+
+def test_a_technique_that_draws_no_regions_says_so(editor, store) -> None:
+    editor.set_two_dimensional_available(True)
+    editor.dimensions.two_button.click()
+    editor.set_two_dimensional_available(False, "Isosurface draws the curve.")
+    # the curve is what is drawn, so it is what is shown; the regions stay in the function
+    assert editor.plots.currentWidget() is editor.plot
+    assert store.scene.layer.transfer_function.by_gradient.enabled
+    assert not editor.dimensions.two_button.isEnabled()
+    assert editor.dimensions.note.isVisible()
+    assert editor.dimensions.note.text() == "Isosurface draws the curve."
+    editor.set_two_dimensional_available(True)
+    assert editor.plots.currentWidget() is editor.gradient_plot
+    assert not editor.dimensions.note.isVisible()
+    editor.joint.wait()
 
 
 def test_switching_is_an_edit_that_undo_takes_back(editor, store, qtbot) -> None:
     editor.set_two_dimensional_available(True)
-    editor.two_button.click()
+    editor.dimensions.two_button.click()
     assert store.scene.layer.transfer_function.by_gradient.enabled
     assert editor.plots.currentWidget() is editor.gradient_plot
-    editor.one_button.click()
+    editor.dimensions.one_button.click()
     assert not store.scene.layer.transfer_function.by_gradient.enabled
     assert editor.plots.currentWidget() is editor.plot
     store.undo()
     store.undo()
     assert store.scene.layer.transfer_function.by_gradient is None
-    assert editor.one_button.isChecked()
+    assert editor.dimensions.one_button.isChecked()
     qtbot.waitUntil(
         lambda: editor.joint.histogram is not None and editor.joint.histogram.done == 1.0, timeout=30000
     )

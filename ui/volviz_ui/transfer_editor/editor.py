@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtWidgets import (
-    QButtonGroup,
     QFrame,
     QHBoxLayout,
     QMenu,
@@ -26,6 +25,7 @@ from volviz.model.transfer_function_2d import TransferFunction2D
 from volviz_ui.icons import set_icon
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
 from volviz_ui.transfer_editor.counting import Counter
+from volviz_ui.transfer_editor.dimension_switch import DimensionSwitch
 from volviz_ui.transfer_editor.fields import Fields
 from volviz_ui.transfer_editor.fields_2d import RegionFields
 from volviz_ui.transfer_editor.help_dialog import HelpDialog
@@ -145,12 +145,12 @@ class TransferEditor(QWidget):
         else:
             self.model.finish()
 
-    def set_two_dimensional_available(self, available: bool) -> None:
-        """Whether the technique that draws can use regions over value and gradient: shows the switch 1D | 2D."""
-        self.one_button.setVisible(available)
-        self.two_button.setVisible(available)
-        self.dimension_line.setVisible(available)
-        self._available = available
+    def set_two_dimensional_available(self, available: bool, why_not: str = "") -> None:
+        """Whether the technique that draws can use regions over value and gradient: shows the switch 1D | 2D.
+
+        Where it cannot, a sentence on the reason keeps the switch in sight, with its second half disabled.
+        """
+        self.dimensions.offer(available=available, why_not=why_not)
         self._show_dimension()
 
     def set_automatic(self) -> None:
@@ -178,13 +178,7 @@ class TransferEditor(QWidget):
         )
         set_icon(self.auto_button, "magic-wand")
         self.more_button = self._button("", self.tr("Save, import and export presets"), "dots-three-vertical")
-        self.one_button = self._toggle("", self.tr("Colour and opacity by value"), text="1D", on=True)
-        self.two_button = self._toggle("", self.tr("Colour and opacity by value and gradient"), text="2D")
-        self.dimensions = QButtonGroup(self)
-        for button in (self.one_button, self.two_button):
-            self.dimensions.addButton(button)
-        self.dimension_line = self._line()
-        self._available = False
+        self.dimensions = DimensionSwitch(self)
         self.shape_button = self._button(
             self.tr("Shape"), self.tr("Put a peak, box or ramp on the curve"), text=True
         )
@@ -217,9 +211,7 @@ class TransferEditor(QWidget):
         bar.setSpacing(4)
         for widget in (self.preset_button, self.auto_button, self.more_button):
             bar.addWidget(widget)
-        bar.addWidget(self.dimension_line)
-        for widget in (self.one_button, self.two_button):
-            bar.addWidget(widget)
+        bar.addWidget(self.dimensions)
         bar.addWidget(self._line())
         for widget in (self.color_button, self.shape_button, self.arrange_button):
             bar.addWidget(widget)
@@ -322,7 +314,7 @@ class TransferEditor(QWidget):
         model.function_changed.connect(self._on_function_changed)
         model.gesture_started.connect(self.gesture_started)
         model.gesture_finished.connect(self.gesture_finished)
-        self.dimensions.buttonClicked.connect(self._on_dimension_clicked)
+        self.dimensions.chosen.connect(self._on_dimension_chosen)
         plot.color_wanted.connect(self.fields.choose_color)
         plot.fields_wanted.connect(self._on_fields_wanted)
         plot.menu_wanted.connect(self._on_menu_wanted)
@@ -345,11 +337,11 @@ class TransferEditor(QWidget):
     def _is_two_dimensional(self) -> bool:
         function = self.model.function
         by_gradient = None if function is None else function.by_gradient
-        return self._available and by_gradient is not None and by_gradient.enabled
+        return self.dimensions.available and by_gradient is not None and by_gradient.enabled
 
-    def _on_dimension_clicked(self) -> None:
+    def _on_dimension_chosen(self, two: bool) -> None:
         """The switch decides what is drawn, so it is an edit like any other."""
-        function, two = self.model.function, self.two_button.isChecked()
+        function = self.model.function
         if function is None or two == self._is_two_dimensional():
             return
         label = self.tr("Two-dimensional function") if two else self.tr("Function of the value")
@@ -363,7 +355,10 @@ class TransferEditor(QWidget):
 
     def _show_dimension(self) -> None:
         two = self._is_two_dimensional()
-        (self.two_button if two else self.one_button).setChecked(True)
+        function = self.model.function
+        regions = None if function is None else function.by_gradient
+        waiting = regions is not None and regions.enabled and not self.dimensions.available
+        self.dimensions.show_state(two=two, waiting=waiting)
         self.plots.setCurrentIndex(int(two))
         self.sides.setCurrentIndex(int(two))
         for button in (

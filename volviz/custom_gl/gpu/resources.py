@@ -11,8 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
-from volviz.custom_gl.gpu.scalars import BRICK, Texels, bricks_of, choose_format, levels_of, texels_of
+from volviz.custom_gl.gpu.scalars import (
+    BRICK,
+    Texels,
+    bricks_of,
+    choose_format,
+    gradient_bricks_if_ready,
+    levels_of,
+    texels_of,
+)
+from volviz.custom_gl.gpu.tables import Table, baked, plane_ranges, table_entries
 from volviz.errors import RenderError
+from volviz.kernels.brick_gradients import occupancy_by_gradient, visible_plane_sums
 from volviz.kernels.bricks import (
     chessboard_distance,
     grow_occupancy,
@@ -53,6 +63,7 @@ class VolumeResources:
         self._levels: dict[int, tuple[Texels, Any]] = {0: (self.texels, self.scalars)}
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
+        self._last_table: tuple[Any, Table] | None = None
 
     # ------------------------------------------------------------------ scalars
 
@@ -119,23 +130,26 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ tables
 
-    def table(self, transfer_function: TransferFunction) -> Any:
-        """The baked transfer function as a texture of one row, opacities per unit distance."""
+    def table(self, transfer_function: TransferFunction, *, interactive: bool = False) -> Any:
+        """The baked transfer function as a texture (see `tables.Table`), opacities per unit distance."""
 
         def make() -> Any:
-            return self.gpu.table_texture(self._baked(transfer_function)[np.newaxis])
+            return self.gpu.table_texture(self._baked(transfer_function, interactive=interactive).texels)
 
-        return self._cached(self._tables, "table", transfer_function, make)
+        key = (transfer_function, interactive and transfer_function.by_gradient is not None)
+        return self._cached(self._tables, "table", key, make)
 
-    def table_per_length(self, transfer_function: TransferFunction, length: float) -> Any:
+    def table_per_length(
+        self, transfer_function: TransferFunction, length: float, *, interactive: bool = False
+    ) -> Any:
         """As `table`, with opacities for pieces of ray of that length, in unit distances."""
 
         def make() -> Any:
-            table = self._baked(transfer_function).copy()
-            table[:, 3] = -np.expm1(length * np.log1p(-np.minimum(table[:, 3].astype(np.float64), 1 - 1e-12)))
-            return self.gpu.table_texture(table[np.newaxis])
+            table = self._baked(transfer_function, interactive=interactive)
+            return self.gpu.table_texture(table.per_length(length))
 
-        return self._cached(self._tables, "table per length", (transfer_function, length), make)
+        key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
+        return self._cached(self._tables, "table per length", key, make)
 
     def preintegrated(self, transfer_function: TransferFunction, size: int, threshold: float) -> Any:
         """Premultiplied colour and opacity of segments one unit distance long, by their ends' scalars."""
@@ -155,19 +169,34 @@ class VolumeResources:
         share = (low + threshold * (high - low) - first) / (last - first) if last > first else 0.0
         return min(max(int(np.ceil(share * (entries - 1))), 0), entries) if threshold > 0 else 0
 
-    def _baked(self, transfer_function: TransferFunction) -> Any:
-        data_range = transfer_function.table_range(self.volume.range)
-        return transfer_function.bake(data_range, self._entries(data_range))
+    def _baked(self, transfer_function: TransferFunction, *, interactive: bool = False) -> Table:
+        """The table of a function; the last one is kept, since texture and empty space both come from it."""
+        key = (transfer_function, interactive)
+        if self._last_table is None or self._last_table[0] != key:
+            self._last_table = (key, baked(transfer_function, self.volume, interactive=interactive))
+        return self._last_table[1]
 
     def _entries(self, data_range: tuple[float, float]) -> int:
         return table_size(data_range, self.volume.array.dtype.kind in "iu")
 
-    def table_lookup(self, transfer_function: TransferFunction) -> tuple[tuple[float, float], int]:
-        """From fractions of the data range to positions in the table: scale and offset, and its entries."""
-        data_range = transfer_function.table_range(self.volume.range)
-        return self._lookup(data_range), self._entries(data_range)
+    def table_uniforms(self, transfer_function: TransferFunction, *, interactive: bool) -> dict[str, Any]:
+        """Uniforms of ``glsl/classification.glsl`` that say where a value and a gradient lie in the table."""
+        columns, rows = table_entries(transfer_function, self.volume, interactive=interactive)
+        if transfer_function.by_gradient is None:
+            data_range = transfer_function.table_range(self.volume.range)
+            return {"u_table_map": self._lookup(data_range), "u_table_last": float(columns - 1)}
+        values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
+        low, high = self.volume.range
+        height = gradients[1] - gradients[0]
+        return {
+            "u_table_map": self._lookup(values),
+            "u_table_last": float(columns - 1),
+            "u_plane_map": ((high - low) / height, -gradients[0] / height),
+            "u_plane_texels": ((columns - 1) / columns, (rows - 1) / rows, 0.5 / columns, 0.5 / rows),
+        }
 
     def _lookup(self, data_range: tuple[float, float]) -> tuple[float, float]:
+        """From fractions of the data range to positions in a table: scale and offset."""
         (low, high), (first, last) = self.volume.range, data_range
         span = last - first if last > first else 1.0
         return (high - low) / span, (low - first) / span
@@ -179,23 +208,48 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ empty space
 
-    def visible_distance(self, transfer_function: TransferFunction, threshold: float, margin: int = 0) -> Any:
-        """Empty-space field for what the transfer function shows."""
+    def visible_distance(self, frame: Frame) -> Any:
+        """Empty-space field for what the frame's transfer function shows (see `occupied`)."""
+        margin = _margin(frame)
 
         def make() -> Any:
-            occupied = self.occupied(transfer_function, threshold)
+            occupied = self.occupied(frame)
             return self._distance_texture(grow_occupancy(occupied, margin) if margin else occupied)
 
         slot = f"visible, {max(self.texels.factor)} voxels a texel"
-        return self._cached(self._distances, slot, (transfer_function, threshold, margin), make)
+        return self._cached(self._distances, slot, (margin, *self.occupancy_key(frame)), make)
 
-    def occupied(self, transfer_function: TransferFunction, threshold: float) -> npt.NDArray[np.bool_]:
-        """Which bricks may hold anything visible, shape (b_z, b_y, b_x)."""
-        data_range = transfer_function.table_range(self.volume.range)
-        opacity = self._baked(transfer_function)[:, 3].copy()
-        opacity[: max(self._below(threshold, data_range, len(opacity)) - 1, 0)] = 0.0
+    def occupancy_key(self, frame: Frame) -> tuple[Any, ...]:
+        """Everything that `occupied` depends on; equal keys, equal bricks."""
+        function = frame.transfer_function
+        if function.by_gradient is None:
+            return function, _threshold(frame)
+        known = gradient_bricks_if_ready(self.volume) is not None
+        return function, _threshold(frame), frame.interactive, known, _bricks_of_differences(frame)
+
+    def occupied(self, frame: Frame) -> npt.NDArray[np.bool_]:
+        """Which bricks may hold anything visible, shape (b_z, b_y, b_x).
+
+        Regions are looked at by value alone until the gradients of a large volume are known.
+        """
+        table = self._baked(frame.transfer_function, interactive=frame.interactive)
+        opacity = table.opacity.copy()
+        below = self._below(_threshold(frame), table.values, opacity.shape[1])
+        opacity[:, : max(below - 1, 0)] = 0.0
         bricks = bricks_of(self.volume)
-        return occupancy(bricks.low, bricks.high, visible_prefix(opacity), data_range)
+        if table.gradients is None:
+            return occupancy(bricks.low, bricks.high, visible_prefix(opacity[0]), table.values)
+        gradients = gradient_bricks_if_ready(self.volume)
+        bounds = None if gradients is None else (gradients.low, gradients.high)
+        reach = _bricks_of_differences(frame)
+        if bounds is not None and reach:
+            from scipy.ndimage import maximum_filter, minimum_filter
+
+            size = 2 * reach + 1
+            bounds = minimum_filter(bounds[0], size), maximum_filter(bounds[1], size)
+        return occupancy_by_gradient(
+            (bricks.low, bricks.high), bounds, visible_plane_sums(opacity), table.values, table.gradients
+        )
 
     def isovalue_distance(self, isovalues: Sequence[float]) -> Any:
         """Empty-space field for surfaces of these isovalues (data units)."""
@@ -235,7 +289,8 @@ class VolumeResources:
         units = program.units
         program.use_texture("t_scalars", self.scalars)
         if "t_table" in units:
-            program.use_texture("t_table", self.table(frame.transfer_function))
+            table = self.table(frame.transfer_function, interactive=frame.interactive)
+            program.use_texture("t_table", table)
         if "t_scene_depth" in units:
             frame.scene_depth.use(units["t_scene_depth"])
         if "t_preintegrated" in units:
@@ -252,8 +307,7 @@ class VolumeResources:
                 }
             )
         if "t_distance" in units:
-            field = self.visible_distance(frame.transfer_function, _threshold(frame), _margin(frame))
-            program.use_texture("t_distance", field)
+            program.use_texture("t_distance", self.visible_distance(frame))
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
@@ -285,6 +339,12 @@ class VolumeResources:
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def _bricks_of_differences(frame: Frame) -> int:
+    """Bricks that central differences reach beyond what the bounds of their own brick cover, one voxel."""
+    delta = float(getattr(frame.settings, "gradient_delta", 1.0))
+    return math.ceil(max(delta - 1.0, 0.0) / BRICK)
 
 
 def _margin(frame: Frame) -> int:

@@ -17,6 +17,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from volviz.kernels.brick_gradients import brick_gradient_bounds
 from volviz.kernels.bricks import brick_min_max
 from volviz.kernels.threads import map_ranges
 from volviz.model.volume import Volume
@@ -79,6 +80,11 @@ _bricks: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
 _texels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], Texels]] = (
     weakref.WeakKeyDictionary()
 )
+_gradients: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
+_gradient_jobs: weakref.WeakKeyDictionary[Volume, Future[Bricks]] = weakref.WeakKeyDictionary()
+
+#: Volumes of at most so many voxels have the gradients of their bricks bounded on the calling thread: 20 ms.
+SMALL_VOXELS = 2**20
 
 
 def bricks_of(volume: Volume) -> Bricks:
@@ -95,6 +101,50 @@ def bricks_of(volume: Volume) -> Bricks:
         with _lock:
             _bricks[volume] = known
     return known
+
+
+def gradient_bricks_of(volume: Volume) -> Bricks:
+    """Bounds of the gradient magnitude in every brick, data units per world unit; made once.
+
+    They hold for central differences over at most a voxel to either side. Half a second for 512^3 voxels:
+    use `gradient_bricks_if_ready` where nothing may wait.
+    """
+    with _lock:
+        known = _gradients.get(volume)
+    if known is None:
+        low, high = brick_gradient_bounds(volume.array, BRICK, spacing=volume.spacing, lowest=volume.range[0])
+        # a sheared lattice stretches gradients differently along different directions
+        stretch = np.linalg.svd(
+            np.linalg.inv(volume.index_to_world[:3, :3]).T * np.asarray(volume.spacing), compute_uv=False
+        )
+        known = Bricks(
+            (low * stretch[-1] * (1 - 1e-6)).astype(np.float32),
+            (high * stretch[0] * (1 + 1e-6)).astype(np.float32),
+        )
+        with _lock:
+            _gradients[volume] = known
+    return known
+
+
+def gradient_bricks_if_ready(volume: Volume) -> Bricks | None:
+    """`gradient_bricks_of` when that is known or quickly found; otherwise None, and a thread begins with it.
+
+    Raises
+    ------
+    Exception
+        Whatever went wrong on that thread.
+    """
+    with _lock:
+        known = _gradients.get(volume)
+        job = _gradient_jobs.get(volume)
+        if known is None and job is None and volume.array.size > SMALL_VOXELS:
+            _gradient_jobs[volume] = _preparer().submit(gradient_bricks_of, volume)
+            return None
+    if known is not None:
+        return known
+    if job is None:
+        return gradient_bricks_of(volume)
+    return job.result() if job.done() else None
 
 
 def choose_format(dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool) -> Format:

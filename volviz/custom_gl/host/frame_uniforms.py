@@ -31,7 +31,6 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
     to_clip = frame.camera.view_projection @ to_world
     scale, offset = texels.index_to_texture
     crop = np.array(frame.crop).reshape(3, 2)
-    table_map, entries = frame.resources.table_lookup(frame.transfer_function)
 
     def value(name: str, default: float) -> float:
         return float(getattr(settings, name, default))
@@ -54,8 +53,6 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_voxels": tuple(1.0 / scale),
         "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
         "u_gradient_delta": value("gradient_delta", 1.0),
-        "u_table_map": table_map,
-        "u_table_last": float(entries - 1),
         "u_density_threshold": value("density_threshold", 0.0),
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
         "u_gradient_opacity": value("gradient_opacity", 0.0),
@@ -79,6 +76,7 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
     if value("gradient_opacity", 0.0) > 0:
         uniforms["u_inverse_gradient_scale"] = 1.0 / frame.resources.gradient_scale
     uniforms |= frame.resources.brick_uniforms()
+    uniforms |= frame.resources.table_uniforms(frame.transfer_function, interactive=frame.interactive)
     return uniforms
 
 

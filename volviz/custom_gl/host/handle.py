@@ -26,7 +26,7 @@ from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
 from volviz.custom_gl.host.scene_handles import SceneHandles
 from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
 from volviz.custom_gl.registry import technique as technique_info
-from volviz.custom_gl.technique import Frame, FrameCamera, ImageTechnique, TechniqueInfo
+from volviz.custom_gl.technique import Frame, FrameCamera, ImageTechnique, TechniqueInfo, drawn_function
 from volviz.errors import InputError, RenderError
 from volviz.kernels.slices import crop_corners
 from volviz.model.clipping import Clipping
@@ -114,6 +114,7 @@ class VolumeHandle:
         self._info = info
         self._given_function = transfer_function
         self._transfer_function = transfer_function.resolved(volume.range)
+        self._drawn_function = drawn_function(info, settings, self._transfer_function)
         self._settings = settings
         self._light = light
         self._clipping = clipping
@@ -181,6 +182,8 @@ class VolumeHandle:
     def notice(self) -> str:
         """A sentence on what the picture shows differently from what was asked for; empty when nothing."""
         words = [str(getattr(self._technique, "notice", ""))]
+        if self._drawn_function.by_gradient is not None and getattr(self._settings, "preintegrated", False):
+            words.append("Regions over value and gradient are drawn without pre-integration.")
         if self._resources is not None:
             factor = self._resources.full_factor
             if max(factor) > 1:
@@ -213,6 +216,11 @@ class VolumeHandle:
     def transfer_function(self) -> TransferFunction:
         """The transfer function, in data units."""
         return self._transfer_function
+
+    @property
+    def drawn_function(self) -> TransferFunction:
+        """The transfer function without regions that the technique does not draw."""
+        return self._drawn_function
 
     def update(
         self,
@@ -271,6 +279,9 @@ class VolumeHandle:
         if transfer_function is not None:
             self._given_function = transfer_function
         self._transfer_function = self._given_function.resolved(new_volume.range)
+        drawn = drawn_function(info, settings, self._transfer_function)
+        if drawn != self._drawn_function:
+            self._drawn_function = drawn
         self._settings, self._light, self._clipping = settings, new_light, new_clipping
         if quality is not None:
             self.quality = quality
@@ -643,7 +654,7 @@ class VolumeHandle:
             window_size=(width, height),
             volume=self._volume,
             resources=cast(VolumeResources, self._ready_resources()),
-            transfer_function=self._transfer_function,
+            transfer_function=self._drawn_function,
             settings=self._settings,
             camera=self._camera(),
             light_position=np.array(self.light_position),

@@ -22,6 +22,7 @@ TECHNIQUE = TechniqueInfo(
         "light_blend": "over",
         "light_buffer_precision": "float16",
     },
+    by_gradient=True,
     inert={
         "diffuse": "acts with shading",
         "specular": "acts with shading",

@@ -49,16 +49,15 @@ class VisiblePart:
 
     def of(self, frame: Frame) -> Visible | None:
         """What is visible within the crop box; None when there is nothing to see."""
-        threshold = float(frame.settings.density_threshold)
-        key = (frame.volume, frame.transfer_function, threshold, frame.crop)
-        if self._key is None or any(a is not b and a != b for a, b in zip(self._key, key, strict=True)):
-            self._visible = _find(frame, threshold)
+        key = (frame.volume, frame.crop, *frame.resources.occupancy_key(frame))
+        if self._key != key:
+            self._visible = _find(frame)
             self._key = key
         return self._visible
 
 
-def _find(frame: Frame, threshold: float) -> Visible | None:
-    occupied = frame.resources.occupied(frame.transfer_function, threshold)
+def _find(frame: Frame) -> Visible | None:
+    occupied = frame.resources.occupied(frame)
     if not occupied.any():
         return None
     limits: list[float] = []

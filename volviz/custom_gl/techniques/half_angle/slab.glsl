@@ -35,10 +35,18 @@ Ray slab_ray(vec4 from, vec3 p) {
 
 // Classified sample with its gradient where a variant needs it.
 vec4 slab_sample(vec3 p, out vec3 gradient) {
-    vec4 c = classify(sample_scalar(p));
+    float s = sample_scalar(p);
     gradient = vec3(0.0);
-#if SHADING || GRADIENT_OPACITY
+#if BY_GRADIENT
+    if (!may_be_visible(s)) return vec4(0.0);
+#endif
+#if SHADING || GRADIENT_OPACITY || BY_GRADIENT
     gradient = world_gradient(p);
+#endif
+#if BY_GRADIENT
+    vec4 c = classify(s, length(gradient));
+#else
+    vec4 c = classify(s);
 #endif
 #if GRADIENT_OPACITY
     c.a *= gradient_factor(gradient);

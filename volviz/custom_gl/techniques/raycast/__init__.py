@@ -18,6 +18,7 @@ TECHNIQUE = TechniqueInfo(
         "early_termination": 0.99,
         "opacity_unit_distance": None,
     },
+    by_gradient=True,
     inert={
         "mipmaps": "acts where pixels are larger than voxels",
         "attenuation": "acts in the mode attenuated_maximum",

@@ -14,6 +14,7 @@ TECHNIQUE = TechniqueInfo(
     create=Slicing,
     displays=DISPLAYS,
     classic={"slices": 256},
+    by_gradient=True,
     inert={
         "mipmaps": "acts where pixels are larger than voxels",
         "attenuation": "acts in the mode attenuated_maximum",

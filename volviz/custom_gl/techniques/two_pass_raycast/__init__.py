@@ -14,6 +14,7 @@ TECHNIQUE = TechniqueInfo(
     create=TwoPassRaycast,
     displays=DISPLAYS,
     classic={"half_float": True, "step": 0.25, "first_sample": 1.0, "early_termination": 1.0},
+    by_gradient=True,
     inert={
         "mipmaps": "acts where pixels are larger than voxels",
         "attenuation": "acts in the mode attenuated_maximum",
