@@ -32,8 +32,8 @@ class DimensionSwitch(QWidget):
         for button in (self.one_button, self.two_button):
             self._group.addButton(button)
             layout.addWidget(button)
+        #: For the editor to place where there is room.
         self.note = ElidedLabel(self)
-        layout.addWidget(self.note, 1)
         self._group.buttonClicked.connect(lambda _button: self.chosen.emit(self.two_button.isChecked()))
 
     def _button(self, label: str, tip: str) -> QToolButton:

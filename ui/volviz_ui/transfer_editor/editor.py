@@ -215,6 +215,8 @@ class TransferEditor(QWidget):
         bar.addWidget(self._line())
         for widget in (self.color_button, self.shape_button, self.arrange_button):
             bar.addWidget(widget)
+        bar.addSpacing(8)
+        bar.addWidget(self.dimensions.note, 100)
         bar.addStretch(1)
         for widget in (self.log_counts_button, self.log_values_button, self.fine_button):
             bar.addWidget(widget)
