@@ -46,7 +46,7 @@ from volviz_ui.thumbnails import Thumbnails
 from volviz_ui.transfer_editor import TransferEditor
 from volviz_ui.view_commands import ViewCommands
 from volviz_ui.viewport import Viewport
-from volviz_ui.workers import Workers
+from volviz_ui.workers import Gate, Workers
 
 PICK_DELAY_MS = 25
 MEMORY_DELAY_MS = 2000
@@ -85,6 +85,7 @@ class MainWindow(QMainWindow):
         self.preferences = preferences if preferences is not None else Preferences()
         self.store = Store()
         self.workers = Workers(self)
+        self.gate = self.workers.gate = Gate(self)
         self.documents = Documents(self.store, self.workers, self)
         self.setWindowIcon(app_icon())
         self.setWindowTitle("VolViz")
@@ -105,6 +106,7 @@ class MainWindow(QMainWindow):
         self.technique_panel = TechniquePanel(self.store, self)
         self.transfer_editor = TransferEditor(self.store, self)
         self.ray_panel = RayPanel(self)
+        self.transfer_editor.counter.workers.gate = self.gate
         self.docks = self._make_docks()
         self.thumbnails = Thumbnails(self.workers, self)
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
@@ -275,6 +277,9 @@ class MainWindow(QMainWindow):
 
     def _on_volume_changed(self, volume: Volume | None) -> None:
         layer = self.store.scene.layer
+        if volume is not None:
+            # the histograms wait until the first picture has been drawn
+            self.gate.shut()
         self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
         self.views.set_volume(volume, layer.transfer_function if layer else None)
         self.data_panel.set_volume(volume)
@@ -296,6 +301,8 @@ class MainWindow(QMainWindow):
             action.setChecked(action.data() == technique)
 
     def _on_status_changed(self, view: int, status: Any) -> None:
+        if status.complete:
+            self.gate.open()
         if view == self.views.active.view:
             self.status_line.show_status(status)
 
@@ -387,6 +394,7 @@ class MainWindow(QMainWindow):
     # ------------------------------------------------------------------ errors of drawing
 
     def _on_drawing_failed(self, error: BaseException) -> None:
+        self.gate.open()
         self._last_error = error
         self.banner.show_error(sentence_of(error))
 

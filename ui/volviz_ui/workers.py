@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Hashable
 from typing import Any
 
-from PySide6.QtCore import QObject, QRunnable, QThreadPool, Signal, Slot
+from PySide6.QtCore import QObject, QRunnable, QThreadPool, QTimer, Signal, Slot
 
 from volviz.errors import Cancelled
 
@@ -101,16 +101,63 @@ class _Runnable(QRunnable):
             task.run()
 
 
+class Gate(QObject):
+    """Keeps work that nobody waits for from taking the processor while a first picture is drawn."""
+
+    opened = Signal()
+    PATIENCE_MS = 1500
+    """Longest time that it stays shut: some pictures take minutes."""
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(self.PATIENCE_MS)
+        self._timer.timeout.connect(self.open)
+        self.is_open = True
+
+    def shut(self) -> None:
+        """Something urgent begins."""
+        self.is_open = False
+        self._timer.start()
+
+    def open(self) -> None:
+        """It is over; a second call does nothing."""
+        self._timer.stop()
+        if not self.is_open:
+            self.is_open = True
+            self.opened.emit()
+
+
 class Workers(QObject):
     """The window's pool of threads."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
+        self._gate: Gate | None = None
+        self._waiting: list[Task] = []
         self._pool = QThreadPool(self)
         self._pool.setMaxThreadCount(THREADS)
         self._tasks: dict[Task, Hashable | None] = {}
 
-    def start(self, function: Callable[[Task], Any], *, label: str = "", key: Hashable | None = None) -> Task:
+    @property
+    def gate(self) -> Gate | None:
+        """Where patient work waits; None lets it begin at once."""
+        return self._gate
+
+    @gate.setter
+    def gate(self, gate: Gate) -> None:
+        self._gate = gate
+        gate.opened.connect(self._on_gate_opened)
+
+    def start(
+        self,
+        function: Callable[[Task], Any],
+        *,
+        label: str = "",
+        key: Hashable | None = None,
+        patient: bool = False,
+    ) -> Task:
         """Run `function(task)` on a worker.
 
         Parameters
@@ -121,6 +168,8 @@ class Workers(QObject):
             What is done, for people.
         key : hashable, optional
             Purpose; running work for the same purpose is cancelled, the newest wins.
+        patient : bool
+            Nobody waits for it: it begins when the gate is open.
 
         Returns
         -------
@@ -132,8 +181,18 @@ class Workers(QObject):
         task = Task(self, function, label)
         self._tasks[task] = key
         task.ended.connect(self._forget)
-        self._pool.start(_Runnable(task))
+        if patient and self._gate is not None and not self._gate.is_open:
+            self._waiting.append(task)
+        else:
+            self._pool.start(_Runnable(task))
         return task
+
+    @Slot()
+    def _on_gate_opened(self) -> None:
+        waiting, self._waiting = self._waiting, []
+        for task in waiting:
+            # cancelled ones too: they end as the others do
+            self._pool.start(_Runnable(task))
 
     def cancel(self, key: Hashable) -> None:
         """Cancel the work for that purpose."""
@@ -150,6 +209,7 @@ class Workers(QObject):
         """Cancel everything and wait until the threads have ended."""
         for task in self._tasks:
             task.cancel()
+        self._waiting.clear()
         self._pool.clear()
         self._pool.waitForDone()
 

@@ -36,6 +36,9 @@ DEFAULT_BRICK = 8
 #: Chessboard distances are kept in a byte; farther is the same as this far.
 MAX_DISTANCE = 255
 
+#: Grids up to this size (a volume of 512^3 in bricks of 8^3) are measured by NumPy, which needs nothing compiled.
+FEW_BRICKS = 64**3
+
 
 def brick_grid_shape(shape: Sequence[int], brick: int = DEFAULT_BRICK) -> tuple[int, int, int]:
     """Number of bricks (b_z, b_y, b_x) that cover a volume of `shape` (Z, Y, X)."""
@@ -80,84 +83,29 @@ def brick_min_max(
     def fill(first: int, last: int) -> None:
         for b in range(first, last):
             slab = native_slab(array, max(b * brick - 1, 0), min((b + 1) * brick + 1, depth))
-            if slab.dtype.kind == "f":
-                _slab_bounds_float(slab, brick, slab.dtype.type(floor), mins[b], maxs[b])
-            else:
-                _slab_bounds_integer(slab, brick, mins[b], maxs[b])
+            low, high = slab.min(axis=0), slab.max(axis=0)
+            if slab.dtype.kind == "f" and not (np.isfinite(low).all() and np.isfinite(high).all()):
+                slab = np.where(np.isfinite(slab), slab, slab.dtype.type(floor))
+                low, high = slab.min(axis=0), slab.max(axis=0)
+            mins[b] = _reduced(_reduced(low, brick, np.minimum).T, brick, np.minimum).T
+            maxs[b] = _reduced(_reduced(high, brick, np.maximum).T, brick, np.maximum).T
 
     map_ranges(fill, grid[0])
     return mins, maxs
 
 
-@compiled
-def _slab_bounds_integer(slab: AnyArray, brick: int, mins: AnyArray, maxs: AnyArray) -> None:
-    """Bounds of one layer of bricks; `slab` holds its dilated planes.
-
-    Whole rows are reduced at a time, so that the loops vectorise.
-    """
-    nz, ny, nx = slab.shape
-    row_low = np.empty((ny, nx), slab.dtype)
-    row_high = np.empty((ny, nx), slab.dtype)
-    for y in range(ny):
-        for x in range(nx):
-            row_low[y, x] = slab[0, y, x]
-            row_high[y, x] = slab[0, y, x]
-        for z in range(1, nz):
-            for x in range(nx):
-                v = slab[z, y, x]
-                row_low[y, x] = min(row_low[y, x], v)
-                row_high[y, x] = max(row_high[y, x], v)
-    _reduce_plane(row_low, row_high, brick, mins, maxs)
-
-
-@compiled
-def _slab_bounds_float(slab: AnyArray, brick: int, lowest: Any, mins: AnyArray, maxs: AnyArray) -> None:
-    """As `_slab_bounds_integer`, with NaN and infinities counted as `lowest`."""
-    nz, ny, nx = slab.shape
-    row_low = np.empty((ny, nx), slab.dtype)
-    row_high = np.empty((ny, nx), slab.dtype)
-    for y in range(ny):
-        for z in range(nz):
-            for x in range(nx):
-                v = slab[z, y, x]
-                # v - v is 0 for finite values only; a select, not a branch, so the loop still vectorises
-                v = v if v - v == 0 else lowest
-                if z == 0:
-                    row_low[y, x] = v
-                    row_high[y, x] = v
-                else:
-                    row_low[y, x] = min(row_low[y, x], v)
-                    row_high[y, x] = max(row_high[y, x], v)
-    _reduce_plane(row_low, row_high, brick, mins, maxs)
-
-
-@compiled
-def _reduce_plane(low: AnyArray, high: AnyArray, brick: int, mins: AnyArray, maxs: AnyArray) -> None:
-    """Reduce planes of per-column bounds to bricks, dilated by one along y and x."""
-    ny, nx = low.shape
-    by, bx = mins.shape
-    line_low = np.empty(nx, low.dtype)
-    line_high = np.empty(nx, low.dtype)
-    for b in range(by):
-        y0 = max(b * brick - 1, 0)
-        y1 = min((b + 1) * brick + 1, ny)
-        for x in range(nx):
-            line_low[x] = low[y0, x]
-            line_high[x] = high[y0, x]
-        for y in range(y0 + 1, y1):
-            for x in range(nx):
-                line_low[x] = min(line_low[x], low[y, x])
-                line_high[x] = max(line_high[x], high[y, x])
-        for c in range(bx):
-            x0 = max(c * brick - 1, 0)
-            x1 = min((c + 1) * brick + 1, nx)
-            lowest = line_low[x0]
-            highest = line_high[x0]
-            for x in range(x0 + 1, x1):
-                lowest = min(lowest, line_low[x])
-                highest = max(highest, line_high[x])
-            mins[b, c] = lowest
-            maxs[b, c] = highest
+def _reduced(rows: AnyArray, brick: int, extreme: Any) -> AnyArray:
+    """Rows, shape (n, m), reduced to bricks of rows, each with one row more on either side."""
+    starts = np.arange(0, len(rows), brick)
+    whole = len(rows) // brick
+    reduced = np.empty((len(starts), rows.shape[1]), rows.dtype)
+    extreme.reduce(rows[: whole * brick].reshape(whole, brick, rows.shape[1]), axis=1, out=reduced[:whole])
+    if whole < len(starts):
+        extreme.reduce(rows[whole * brick :], axis=0, out=reduced[whole])
+    inner = starts[1:]
+    extreme(reduced[1:], rows[inner - 1], out=reduced[1:])
+    extreme(reduced[:-1], rows[inner], out=reduced[:-1])
+    return reduced
 
 
 def visible_prefix(opacity: npt.ArrayLike) -> npt.NDArray[np.int64]:
@@ -240,8 +188,8 @@ def occupancy_for_isovalues(mins: Float32Array, maxs: Float32Array, isovalues: S
 def chessboard_distance(occupied: BoolArray) -> npt.NDArray[np.uint8]:
     """How many bricks away the nearest occupied brick is: how far a ray may jump.
 
-    Exact Chebyshev distance by two raster passes over half of the 26 neighbours each (Rosenfeld and Pfaltz
-    1966).
+    Exact Chebyshev distance. Few bricks grow by one to all sides until nothing is left; many are visited in two
+    raster passes over half of the 26 neighbours each (Rosenfeld and Pfaltz 1966), in compiled code.
 
     Parameters
     ----------
@@ -253,10 +201,31 @@ def chessboard_distance(occupied: BoolArray) -> npt.NDArray[np.uint8]:
     ndarray of the same shape, uint8
         0 for occupied bricks; 255 for 255 and more, and everywhere when no brick is occupied.
     """
+    if occupied.size <= FEW_BRICKS:
+        return _by_growing(np.asarray(occupied, bool))
     distance = np.where(occupied, 0, MAX_DISTANCE).astype(np.int32)
     padded = np.pad(distance, 1, constant_values=MAX_DISTANCE)
     _chessboard_passes(padded)
     return padded[1:-1, 1:-1, 1:-1].astype(np.uint8)
+
+
+def _by_growing(occupied: BoolArray) -> npt.NDArray[np.uint8]:
+    """`chessboard_distance` by growing what is occupied."""
+    if not occupied.any():
+        return np.full(occupied.shape, MAX_DISTANCE, np.uint8)
+    # every round adds one wherever nothing has come yet; FEW_BRICKS may be a line longer than a byte can count
+    distance = np.zeros(occupied.shape, np.uint16)
+    reached = occupied
+    while not reached.all():
+        distance += ~reached
+        for axis in range(3):
+            low = (slice(None),) * axis + (slice(None, -1),)
+            high = (slice(None),) * axis + (slice(1, None),)
+            grown = reached.copy()
+            grown[high] |= reached[low]
+            grown[low] |= reached[high]
+            reached = grown
+    return np.minimum(distance, MAX_DISTANCE).astype(np.uint8)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Range of a volume, in one pass and without a copy."""
+"""Range of a volume, plane by plane and without a copy."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.kernels.arrays import check_scalars, native_slab
-from volviz.kernels.compiled import compiled
 from volviz.kernels.threads import map_ranges
 
 AnyArray = npt.NDArray[Any]
@@ -58,14 +57,15 @@ def finite_range(array: AnyArray) -> FiniteRange:
     def scan(first: int, last: int) -> tuple[list[float], list[float], int]:
         lows, highs, nonfinite = [], [], 0
         for chunk in range(first, last):
-            slab = native_slab(array, chunk * _PLANES, min((chunk + 1) * _PLANES, depth)).reshape(-1)
-            if slab.dtype.kind == "f":
-                low, high, odd = _range_float(slab)
-                nonfinite += odd
-                if odd == slab.size:
+            slab = native_slab(array, chunk * _PLANES, min((chunk + 1) * _PLANES, depth))
+            low, high = slab.min(), slab.max()
+            # NaN passes through both, and infinities are extremes
+            if not (np.isfinite(low) and np.isfinite(high)):
+                finite = slab[np.isfinite(slab)]
+                nonfinite += slab.size - finite.size
+                if not finite.size:
                     continue
-            else:
-                low, high = _range_integer(slab)
+                low, high = finite.min(), finite.max()
             lows.append(low)
             highs.append(high)
         return lows, highs, nonfinite
@@ -77,41 +77,6 @@ def finite_range(array: AnyArray) -> FiniteRange:
     if not lows:
         return FiniteRange(0.0, 0.0, nonfinite)
     return FiniteRange(float(min(lows)), float(max(highs)), nonfinite)
-
-
-@compiled
-def _range_integer(values: AnyArray) -> Any:
-    low = values[0]
-    high = values[0]
-    for v in values:
-        low = min(low, v)
-        high = max(high, v)
-    return low, high
-
-
-@compiled
-def _range_float(values: AnyArray) -> Any:
-    """Extremes of the finite values; eight lanes side by side, because one minimum waits for the last."""
-    lanes = 8
-    low = np.full(lanes, np.inf, values.dtype)
-    high = np.full(lanes, -np.inf, values.dtype)
-    odd = np.zeros(lanes, np.int64)
-    whole = len(values) // lanes * lanes
-    for i in range(0, whole, lanes):
-        for k in range(lanes):
-            v = values[i + k]
-            finite = v - v == 0
-            odd[k] += 0 if finite else 1
-            low[k] = v if finite and v < low[k] else low[k]
-            high[k] = v if finite and v > high[k] else high[k]
-    for i in range(whole, len(values)):
-        v = values[i]
-        if v - v == 0:
-            low[0] = min(low[0], v)
-            high[0] = max(high[0], v)
-        else:
-            odd[0] += 1
-    return low.min(), high.max(), odd.sum()
 
 
 def percentiles(

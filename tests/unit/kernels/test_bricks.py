@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest import mock
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -175,6 +177,8 @@ def test_isovalues_occupy_the_bricks_that_straddle_them():
 def test_chessboard_distance_is_exact(shape, seed, share):
     occupied = np.random.default_rng(seed).random(shape) < share
     got = chessboard_distance(occupied)
+    with mock.patch("volviz.kernels.bricks.FEW_BRICKS", 0):
+        np.testing.assert_array_equal(chessboard_distance(occupied), got)
     if not occupied.any():
         assert np.all(got == 255)
         return

@@ -10,12 +10,11 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Slot
 from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
+from volviz.kernels.histogram import progressive_histogram
 from volviz.model.volume import Volume
 from volviz_ui.workers import Task, Workers
 
 BINS = 256
-SLAB = 8
-"""Planes counted between two looks at the cancel flag."""
 
 
 def count_values(volume: Volume, task: Task | None = None) -> npt.NDArray[np.int64]:
@@ -32,15 +31,10 @@ def count_values(volume: Volume, task: Task | None = None) -> npt.NDArray[np.int
         bins = -(-values // each)
         low, high = low - 0.5, low - 0.5 + bins * each
     high = max(high, low + 1e-9)
-    counts = np.zeros(bins, np.int64)
-    for first in range(0, volume.array.shape[0], SLAB):
+    for part in progressive_histogram(volume.array, bins, (low, high)):
         if task is not None:
-            task.report(first / volume.array.shape[0])
-        slab = volume.array[first : first + SLAB]
-        if slab.dtype.kind == "f":
-            slab = slab[np.isfinite(slab)]
-        counts += np.histogram(slab, bins, (low, high))[0]
-    return counts
+            task.report(part.done)
+    return part.counts
 
 
 class HistogramView(QWidget):
@@ -68,7 +62,7 @@ class HistogramView(QWidget):
         self.counts = None
         self.update()
         if volume is not None:
-            task = self._workers.start(lambda task: count_values(volume, task), key="histogram")
+            task = self._workers.start(lambda task: count_values(volume, task), key="histogram", patient=True)
             task.succeeded.connect(self._on_counted)
 
     @Slot(object)

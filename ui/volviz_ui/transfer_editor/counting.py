@@ -86,17 +86,17 @@ class Counter(QObject):
         self.counts: Counts | None = None
         self.is_done = False
         self._stop = threading.Event()
-        self._workers = Workers(self)
+        self.workers = Workers(self)
         self._relay = _Relay(self)
         self._relay.counted.connect(self._on_counted)
         # Children go first: the owner of the pool still tells in time that nobody waits any more.
-        self._workers.destroyed.connect(self._stop.set)
+        self.workers.destroyed.connect(self._stop.set)
 
     def set_volume(self, volume: Volume | None) -> None:
         """Count another volume; what still runs for the old one is dropped."""
         self._stop.set()
         self._stop = stop = threading.Event()
-        self._workers.destroyed.connect(stop.set)
+        self.workers.destroyed.connect(stop.set)
         self.counts, self.is_done = None, volume is None
         self.changed.emit()
         if volume is None:
@@ -109,12 +109,12 @@ class Counter(QObject):
                     return
                 relay.counted.emit((stop, result))
 
-        self._workers.start(count, key="transfer histogram")
+        self.workers.start(count, key="transfer histogram", patient=True)
 
     def wait(self) -> None:
         """Stop and wait for the worker, as before the program ends."""
         self._stop.set()
-        self._workers.close()
+        self.workers.close()
 
     @Slot(object)
     def _on_counted(self, message: Any) -> None:

@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import Cancelled
-from volviz.kernels.marching import keep_components, marching_cubes
 from volviz.model.volume import Volume
 
 Array = npt.NDArray[Any]
@@ -124,6 +123,9 @@ class _Job:
             self.error = error
 
     def _made(self) -> ReadyMesh:
+        # here, on a thread of its own: it imports numba
+        from volviz.kernels.marching import keep_components, marching_cubes
+
         wish = self.wish
         share = EXTRACTION_SHARE if wish.is_filtered else 1.0
         vertices, faces, normals = marching_cubes(

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.techniques.bump_mapping.surfaces import VERTEX_FLOATS
-from volviz.kernels.marching import marching_cubes
 from volviz.kernels.tangents import box_projection
 from volviz.model.volume import Volume
 
@@ -33,6 +32,9 @@ def mesh_data(
     faces : ndarray of shape (F, 3), int32
         Vertex numbers.
     """
+    # here, with the first mesh: it imports numba
+    from volviz.kernels.marching import marching_cubes
+
     middle = np.asarray(volume.center)
     largest = max(2, min(volume.dimensions) - 1)
     vertices, faces, normals = marching_cubes(
