@@ -15,17 +15,21 @@ from tests.render.scenes import (
     SIZE,
     Shading,
     camera,
+    function,
     inside,
     matrices,
     volume,
 )
 from volviz.custom_gl.gpu import resources
 from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.picking import Sight
 from volviz.custom_gl.registry import technique
 from volviz.custom_gl.technique import FrameCamera
 from volviz.custom_gl.techniques.isosurface.technique import pick
 from volviz.errors import SettingError
 from volviz.kernels.reference_surface import SurfacePicture, reference_isosurface
+from volviz.kernels.surface_pick import pixel_ray
+from volviz.model.clipping import Clipping
 from volviz.model.parameters import make_settings
 from volviz.offscreen import apply_camera
 
@@ -411,21 +415,22 @@ def test_picking_returns_the_point_and_value_that_are_shown() -> None:
     checked = 0
     for row in range(0, SIZE[1], 3):
         for column in range(0, SIZE[0], 3):
-            found = pick(
-                of, settings_of(of, **values), eye, SIZE, (column, row), clip_planes=values["clip_planes"]
-            )
+            ray = pixel_ray(eye.view, eye.projection, SIZE, (column, row))
+            crop = Clipping().crop_within(of.dimensions)
+            settings = settings_of(of, **values)
+            found = pick(Sight(of, function(of), settings, ray, crop, values["clip_planes"]))
             if hit[row, column]:
                 assert found is not None
                 # the faint surface before it is looked through
-                assert found.surface == 1
+                assert found.isovalue == 1500.0
                 assert np.linalg.norm(np.subtract(found.position, points[row, column])) < 0.01
                 assert found.value == pytest.approx(1500.0, abs=1.0)
                 index = of.world_to_index[:3, :3] @ found.position + of.world_to_index[:3, 3]
-                assert np.allclose(index, found.voxel, atol=1e-6)
+                assert np.allclose(index, found.voxel, atol=0.5 + 1e-6)
                 checked += 1
             elif faint[row, column]:
                 assert found is not None
-                assert found.surface == 0
+                assert found.isovalue == 600.0
             else:
                 assert found is None
     assert checked > 5

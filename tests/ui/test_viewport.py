@@ -303,3 +303,22 @@ def test_box_axes_marker_and_bar_can_be_switched(window: MainWindow, wait_for: W
         QTest.qWait(50)
         wait_for(lambda: is_complete(window))
         assert np.abs(picture(window) - off).max() <= 2, name
+
+
+def test_a_double_click_looks_at_what_was_clicked_on(window: MainWindow) -> None:
+    ball = TransferFunction.from_points([(100, (1, 1, 1, 0)), (101, (1, 1, 1, 1))])
+    window.store.update(lambda scene: scene.with_layer(transfer_function=ball))
+    before = window.viewport.view_camera
+    at = centre(window) + QPoint(60, 30)
+    QTest.mouseDClick(window.viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, at)
+    after = window.viewport.view_camera
+    assert after.distance == pytest.approx(before.distance)
+    assert after.direction == pytest.approx(before.direction)
+    # on the ball's surface, and now in the middle of the picture
+    radius = np.linalg.norm(np.subtract(after.focal_point, window.documents.volume.center))
+    assert radius == pytest.approx(12, abs=1)
+    assert window.store.scene.view.camera.focal_point == after.focal_point
+    QTest.mouseDClick(
+        window.viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, QPoint(5, 5)
+    )
+    assert window.viewport.view_camera == after

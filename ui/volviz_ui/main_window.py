@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QPointF, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QMainWindow
 
+from volviz.custom_gl.picking import Picked
 from volviz.custom_gl.technique import regions_unused
-from volviz.errors import InputError
+from volviz.model.grips import as_vector
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
 from volviz_ui.actions import Actions
@@ -34,7 +37,6 @@ from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.panels.technique_box import current_settings, current_technique
-from volviz_ui.picking import Picked, picked_voxel
 from volviz_ui.preferences import Preferences
 from volviz_ui.ray_inspector.inspector import RayInspector
 from volviz_ui.ray_inspector.panel import RayPanel
@@ -208,6 +210,7 @@ class MainWindow(QMainWindow):
         self.ray_dock.visibilityChanged.connect(self.ray_inspector.set_active)
         self.ray_inspector.value_pointed.connect(self.transfer_editor.highlight_value)
         self.transfer_editor.value_hovered.connect(self.ray_panel.plot.mark_value)
+        self.views.double_clicked.connect(self._turn_about)
         self.store.history_changed.connect(self._show_history)
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
         show_value(self.store, _why_no_regions, self._show_regions_unused)
@@ -372,24 +375,43 @@ class MainWindow(QMainWindow):
         view, position = self._pointer
         if view >= len(self.views.panes):
             return
-        viewport = self.views.panes[view].viewport
-        try:
-            picked = picked_voxel(
-                volume,
-                layer.transfer_function,
-                self.store.scene.clipping,
-                viewport.view_camera,
-                (position.x(), position.y()),
-                (viewport.width(), viewport.height()),
-            )
-        except InputError:
-            picked = None
-        self._show_picked(picked)
+        self._show_picked(self._picked_in(view, position))
+
+    def _picked_in(self, view: int, position: QPointF) -> Picked | None:
+        """What is seen in a view at a place, None for nothing."""
+        handle = self.views.panes[view].display.handle
+        if handle is None or handle.volume is not self.documents.volume:
+            return None
+        ratio = self.devicePixelRatioF()
+        picked: Picked | None = handle.pick(position.x() * ratio, position.y() * ratio)
+        return picked
+
+    def _turn_about(self, view: int, position: QPointF) -> None:
+        """Look at what is seen at a place, so that the camera turns about it from now on."""
+        picked = self._picked_in(view, position)
+        if picked is None or self.documents.volume is None:
+            return
+        camera = self.viewport.view_camera
+        way = np.subtract(picked.position, camera.focal_point)
+        moved = replace(
+            camera,
+            position=as_vector(np.add(camera.position, way)),
+            focal_point=picked.position,
+            parallel_scale=camera.parallel_scale,
+        )
+        self.display.show_camera(moved)
 
     def _show_picked(self, picked: Picked | None) -> None:
         volume = self.documents.volume
-        self.status_line.show_picked(picked, volume.unit if volume is not None else "")
-        self.transfer_editor.highlight_value(None if picked is None else picked.value)
+        value = None
+        if picked is not None and volume is not None:
+            i, j, k = picked.voxel
+            # a surface has a value of its own; elsewhere the number that stands in the file is looked for
+            value = picked.isovalue if picked.isovalue is not None else float(volume.array[k, j, i])
+        self.status_line.show_picked(
+            None if picked is None else picked.voxel, value, volume.unit if volume is not None else ""
+        )
+        self.transfer_editor.highlight_value(value)
 
     # ------------------------------------------------------------------ errors of drawing
 

@@ -8,7 +8,6 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QWidget
 
 from volviz.model.volume import Volume
-from volviz_ui.picking import Picked
 
 
 class StatusLine(QStatusBar):
@@ -31,13 +30,13 @@ class StatusLine(QStatusBar):
             self.addWidget(field)
         self.addPermanentWidget(self.volume)
 
-    def show_picked(self, picked: Picked | None, unit: str) -> None:
-        """Show the voxel under the pointer."""
-        if picked is None:
+    def show_picked(self, voxel: tuple[int, int, int] | None, value: float | None, unit: str) -> None:
+        """Show the voxel under the pointer and its value."""
+        if voxel is None or value is None:
             self.pointer.setText("")
             return
-        i, j, k = picked.index
-        self.pointer.setText(f"({i}, {j}, {k})   {picked.value:.6g} {unit}".rstrip())
+        i, j, k = voxel
+        self.pointer.setText(f"({i}, {j}, {k})   {value:.6g} {unit}".rstrip())
 
     def show_technique(self, label: str) -> None:
         """Show how the volume is drawn."""

@@ -62,6 +62,7 @@ class Viewport(QtInteractor):
     clicked = Signal(QPointF)
     """The left button was pressed and let go without a move between."""
     pointer_left = Signal()
+    double_clicked = Signal(QPointF)
     frame_drawn = Signal()
 
     # PyVista asks for pictures while it is being made
@@ -214,8 +215,10 @@ class Viewport(QtInteractor):
         event.accept()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """The second click of a double-click is a click."""
+        """The second click of a double-click is a click, and asks to look at what was clicked on."""
         self.mousePressEvent(event)
+        if self._drag is Drag.ROTATE:
+            self.double_clicked.emit(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Move camera or light, or tell where the pointer is."""

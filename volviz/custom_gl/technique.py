@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
     from volviz.custom_gl.gpu.resources import VolumeResources
     from volviz.custom_gl.gpu.targets import Target
+    from volviz.custom_gl.picking import Picked, Sight
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
 
@@ -63,6 +64,8 @@ class TechniqueInfo:
         Place in lists, ascending.
     counterpart_of : tuple of str
         Ids of the techniques beside which it is meant to be looked at: VTK's own mappers name ours.
+    pick : callable or None
+        Finds what is seen along a ray (`volviz.custom_gl.picking.Sight`); None where the first visible place is meant.
     needs_textures : bool
         Whether an image technique reads `Frame.resources`; those of the kind "prop" never do.
     """
@@ -82,6 +85,7 @@ class TechniqueInfo:
     order: int = 100
     counterpart_of: tuple[str, ...] = ()
     needs_textures: bool = True
+    pick: Callable[[Sight], Picked | None] | None = None
 
     @property
     def uses_textures(self) -> bool:

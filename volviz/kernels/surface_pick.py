@@ -144,7 +144,7 @@ def surface_on_ray(
 
     def value_at(t: Any) -> Float64Array:
         index = start + np.atleast_1d(t)[:, None] * along
-        return _values(array, index, nearest=interpolation == "nearest", lowest=lowest)
+        return values_at(array, index, nearest=interpolation == "nearest", lowest=lowest)
 
     count = max(int(np.ceil((leave - entry) / step_world - 1e-3)), 1)
     places = np.minimum(entry + np.arange(count + 1) * step_world, leave)
@@ -183,7 +183,7 @@ def _refined(value_at: Any, near: float, far: float, isovalue: float, bisections
     return float(near + (far - near) * (isovalue - a) / (b - a))
 
 
-def _values(array: npt.NDArray[Any], index: Float64Array, *, nearest: bool, lowest: float) -> Float64Array:
+def values_at(array: npt.NDArray[Any], index: Float64Array, *, nearest: bool, lowest: float) -> Float64Array:
     """Scalars at continuous indices (n, 3) in (i, j, k), clamped to the first and last voxel."""
     last = np.array(array.shape[::-1]) - 1
     place = np.clip(index, 0, last)

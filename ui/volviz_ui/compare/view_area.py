@@ -42,6 +42,7 @@ class ViewArea(QWidget):
     """Number of the view, and where in it the left button was pressed and let go without a move."""
     drawn = Signal()
     """One of the views has drawn a frame."""
+    double_clicked = Signal(int, QPointF)
     function_drag_started = Signal()
     function_dragged = Signal(float, float)
     function_drag_ended = Signal(bool)
@@ -116,6 +117,7 @@ class ViewArea(QWidget):
         viewport.pointer_left.connect(self.pointer_left)
         viewport.clicked.connect(lambda position: self.clicked.emit(pane.view, position))
         viewport.frame_drawn.connect(self.drawn)
+        viewport.double_clicked.connect(lambda position: self.double_clicked.emit(pane.view, position))
         viewport.function_drag_started.connect(self.function_drag_started)
         viewport.function_dragged.connect(self.function_dragged)
         viewport.function_drag_ended.connect(self.function_drag_ended)

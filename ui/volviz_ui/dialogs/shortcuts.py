@@ -58,6 +58,7 @@ class ShortcutsDialog(QDialog):
         return [
             (self.tr("Turn the volume"), self.tr("Left drag")),
             (self.tr("Push the volume"), self.tr("Shift + left drag")),
+            (self.tr("Look at a place, turn about it"), self.tr("Double-click")),
             (self.tr("Zoom"), self.tr("Wheel, middle drag")),
             (self.tr("Move the light (or zoom)"), self.tr("Right drag")),
             (self.tr("Move light or cut plane"), self.tr("Drag its knob")),

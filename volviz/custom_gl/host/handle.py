@@ -25,10 +25,12 @@ from volviz.custom_gl.host.prop_drawing import PropDrawing
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
 from volviz.custom_gl.host.scene_handles import SceneHandles
 from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
+from volviz.custom_gl.picking import Picked, Sight, first_visible
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.technique import Frame, FrameCamera, ImageTechnique, TechniqueInfo, drawn_function
 from volviz.errors import InputError, RenderError
 from volviz.kernels.slices import crop_corners
+from volviz.kernels.surface_pick import pixel_ray
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light, default_position
 from volviz.model.parameters import make_settings
@@ -304,6 +306,30 @@ class VolumeHandle:
         return self._light.position or default_position(self._volume.bounds)
 
     # ------------------------------------------------------------------ by hand
+
+    def pick(self, x: float, y: float) -> Picked | None:
+        """What is seen at a pixel, found on the processor; meshes of VTK in front of it are not looked at.
+
+        Parameters
+        ----------
+        x, y : float
+            Column and row in the renderer's viewport, row 0 at the top; whole numbers mean the centre of a pixel.
+
+        Returns
+        -------
+        Picked or None
+            World position, voxel, value and (for surfaces) isovalue; None where nothing of the volume is seen.
+        """
+        camera, (width, height, _, _) = self._camera(), self._viewport()
+        sight = Sight(
+            self._volume,
+            self._transfer_function,
+            self._settings,
+            pixel_ray(camera.view, camera.projection, (width, height), (x, y)),
+            self._clipping.crop_within(self._volume.dimensions),
+            self._clipping.planes,
+        )
+        return (self._info.pick or first_visible)(sight)
 
     def show_handles(self, on: bool = True, *, listens: bool = True) -> None:
         """Show what can be dragged: the light and the cut plane, where the technique has them.

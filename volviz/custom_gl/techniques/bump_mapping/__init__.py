@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.bump_mapping.picking import pick
 from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS, BumpSettings
 from volviz.custom_gl.techniques.bump_mapping.technique import BumpMapping
 
@@ -12,6 +13,7 @@ TECHNIQUE = TechniqueInfo(
     summary="A cut plane, the faces of the box or a coarse mesh, lit per pixel by a normal map (DOT3).",
     settings=BumpSettings,
     create=BumpMapping,
+    pick=pick,
     handles=("light", "plane"),
     displays=DISPLAYS,
     classic={

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.isosurface.settings import DISPLAYS, IsosurfaceSettings
-from volviz.custom_gl.techniques.isosurface.technique import Isosurface
+from volviz.custom_gl.techniques.isosurface.technique import Isosurface, pick
 
 TECHNIQUE = TechniqueInfo(
     id="isosurface",
@@ -12,6 +12,7 @@ TECHNIQUE = TechniqueInfo(
     summary="Surfaces of equal value, found along each ray and lit, without a mesh.",
     settings=IsosurfaceSettings,
     create=Isosurface,
+    pick=pick,
     displays=DISPLAYS,
     classic={
         "isovalues": (40.0,),

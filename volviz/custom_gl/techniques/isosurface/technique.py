@@ -7,19 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import moderngl
 
+from volviz.custom_gl.picking import Picked, Sight, surface
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.techniques.isosurface.settings import MAX_STEP
 from volviz.custom_gl.techniques.isosurface.surfaces import shown_surfaces
 from volviz.custom_gl.tiled import draw_tile
-from volviz.kernels.surface_pick import SurfacePoint, pixel_ray, surface_on_ray
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from volviz.custom_gl.technique import Frame, FrameCamera
-    from volviz.custom_gl.techniques.isosurface.settings import IsosurfaceSettings
-    from volviz.kernels.reference_rays import Plane
-    from volviz.model.volume import Volume
+    from volviz.custom_gl.technique import Frame
 
 _FRAGMENT = Path(__file__).parent / "isosurface.frag"
 
@@ -74,45 +69,13 @@ class Isosurface:
         """It holds nothing of its own."""
 
 
-def pick(
-    volume: Volume,
-    settings: IsosurfaceSettings,
-    camera: FrameCamera,
-    size: tuple[int, int],
-    pixel: tuple[float, float],
-    *,
-    crop: Sequence[float] | None = None,
-    clip_planes: Sequence[Plane] = (),
-) -> SurfacePoint | None:
-    """The surface point that is seen at a pixel, with its value; None where no surface is.
-
-    Opaque meshes before the surface are not looked at. No OpenGL: it may be called at any time.
-
-    Parameters
-    ----------
-    volume : Volume
-        The data shown.
-    settings : IsosurfaceSettings
-        The settings it is shown with.
-    camera : FrameCamera
-        As in the frame that was drawn.
-    size : tuple of 2 ints
-        Width and height of the viewport.
-    pixel : tuple of 2 floats
-        Column and row in it, row 0 at the top.
-    crop, clip_planes
-        As in the frame.
-    """
-    surfaces = shown_surfaces(volume, settings)
-    return surface_on_ray(
-        volume.array,
-        volume.index_to_world,
-        pixel_ray(camera.view, camera.projection, size, pixel),
-        isovalues=surfaces.isovalues,
+def pick(sight: Sight) -> Picked | None:
+    """The surface point that is seen along a ray: where half of the light is stopped, else the nearest."""
+    surfaces = shown_surfaces(sight.volume, sight.settings)
+    return surface(
+        sight,
+        surfaces.isovalues,
         opacities=surfaces.opacities,
-        step_world=settings.step * min(volume.spacing),
-        crop=crop,
-        clip_planes=clip_planes,
-        interpolation=settings.interpolation,
-        lowest=volume.range[0],
+        step=sight.settings.step,
+        interpolation=sight.settings.interpolation,
     )

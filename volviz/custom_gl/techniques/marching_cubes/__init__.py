@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from volviz.custom_gl.mesh_drawing import CLASSIC, INERT
+from volviz.custom_gl.picking import on_isovalue
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.marching_cubes.settings import MarchingCubesSettings
 from volviz.custom_gl.techniques.marching_cubes.technique import MarchingCubes
@@ -13,6 +14,7 @@ TECHNIQUE = TechniqueInfo(
     summary="The isosurface as a mesh of triangles, cell by cell.",
     settings=MarchingCubesSettings,
     create=MarchingCubes,
+    pick=on_isovalue,
     classic=CLASSIC,
     inert={**INERT, "method": "both give the same mesh unless a cell is ambiguous"},
     order=70,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from volviz.custom_gl.mesh_drawing import CLASSIC, INERT
+from volviz.custom_gl.picking import on_isovalue
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.marching_tetrahedra.settings import MarchingTetrahedraSettings
 from volviz.custom_gl.techniques.marching_tetrahedra.technique import MarchingTetrahedra
@@ -13,6 +14,7 @@ TECHNIQUE = TechniqueInfo(
     summary="The isosurface as a mesh of triangles, each cell cut into six tetrahedra.",
     settings=MarchingTetrahedraSettings,
     create=MarchingTetrahedra,
+    pick=on_isovalue,
     classic=CLASSIC,
     inert=INERT,
     order=75,

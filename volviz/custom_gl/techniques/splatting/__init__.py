@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from volviz.custom_gl.picking import Picked, Sight, first_visible, on_isovalue
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.splatting.settings import DISPLAYS, SplattingSettings
 from volviz.custom_gl.techniques.splatting.technique import Splatting
+
+
+def _pick(sight: Sight) -> Picked | None:
+    """Discs cover the surface at the isovalue; Gaussians are looked through."""
+    return on_isovalue(sight) if sight.settings.footprint == "disc" else first_visible(sight)
+
 
 TECHNIQUE = TechniqueInfo(
     id="splatting",
@@ -12,6 +19,7 @@ TECHNIQUE = TechniqueInfo(
     summary="Voxels above an isovalue as lit points that a blur melts together, or as translucent Gaussians.",
     settings=SplattingSettings,
     create=Splatting,
+    pick=_pick,
     displays=DISPLAYS,
     classic={
         "isovalue": 40.0,

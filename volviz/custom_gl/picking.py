@@ -1,0 +1,171 @@
+"""What the eye sees at a pixel: one ray through the data, found by the rule of the technique. No OpenGL.
+
+A technique whose picture is a surface says where that is (`TechniqueInfo.pick`); for all others it is the place where
+the ray has gathered half of its opacity, or the extreme value in the modes that show one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.kernels.reference_rays import box_interval, index_limits, plane_interval
+from volviz.kernels.surface_pick import PixelRay, surface_on_ray, values_at
+from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+
+Float64Array = npt.NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+SAMPLES_PER_VOXEL = 2.0
+#: Share of the ray's whole opacity at which it is said to have arrived.
+SEEN = 0.5
+#: A ray that gathers less opacity meets nothing.
+FAINTEST = 1e-3
+
+
+class Picked(NamedTuple):
+    """What is seen at a pixel.
+
+    Attributes
+    ----------
+    position : tuple of 3 floats
+        World point (x, y, z).
+    voxel : tuple of 3 ints
+        Index (i, j, k) of the voxel that holds it.
+    value : float
+        Scalar at the point, in data units.
+    isovalue : float or None
+        The isovalue of the surface that was hit; None where the picture shows no isosurface.
+    """
+
+    position: Vector
+    voxel: tuple[int, int, int]
+    value: float
+    isovalue: float | None = None
+
+
+@dataclass(frozen=True)
+class Sight:
+    """One ray and what it may meet.
+
+    Attributes
+    ----------
+    volume, transfer_function, settings
+        As they are drawn.
+    ray : PixelRay
+        In the world.
+    crop : tuple of 6 floats
+        Box that is shown, in continuous voxel indices.
+    planes : sequence of (origin, normal)
+        Clip planes in world space.
+    """
+
+    volume: Volume
+    transfer_function: TransferFunction
+    settings: Any
+    ray: PixelRay
+    crop: tuple[float, float, float, float, float, float]
+    planes: Sequence[tuple[Vector, Vector]] = ()
+
+    def interval(self) -> tuple[float, float] | None:
+        """World distances at which the ray enters and leaves what is shown of the box; None when it misses."""
+        to_index = self.volume.world_to_index
+        start = to_index[:3, :3] @ self.ray.start + to_index[:3, 3]
+        along = to_index[:3, :3] @ self.ray.direction
+        near, far = box_interval(start[None], along[None], index_limits(self.volume.array.shape, self.crop))
+        cut_near, cut_far = plane_interval(self.ray.start[None], self.ray.direction[None], self.planes)
+        entry = max(float(near[0]), float(cut_near[0]), 0.0)
+        leave = min(float(far[0]), float(cut_far[0]), self.ray.length)
+        return (entry, leave) if leave > entry else None
+
+    def point(self, t: float) -> Float64Array:
+        """World point at a distance along the ray."""
+        return np.asarray(self.ray.start + t * self.ray.direction)
+
+    def indices(self, t: Any) -> Float64Array:
+        """Continuous voxel indices (n, 3) at distances along the ray."""
+        points = self.ray.start + np.atleast_1d(t)[:, None] * self.ray.direction
+        matrix = self.volume.world_to_index
+        return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
+
+    def values(self, t: Any) -> Float64Array:
+        """Scalars in data units at distances along the ray, as the picture interpolates them."""
+        nearest = getattr(self.settings, "interpolation", "linear") == "nearest"
+        return values_at(
+            self.volume.array, self.indices(t), nearest=nearest, lowest=float(self.volume.range[0])
+        )
+
+    def opacities(self, values: Float64Array) -> Float64Array:
+        """Opacities per mean spacing of scalars, 0 below the density threshold."""
+        found = self.transfer_function.evaluate(values, self.volume.range)[:, 3].astype(np.float64)
+        low, high = self.volume.range
+        threshold = low + float(getattr(self.settings, "density_threshold", 0.0)) * (high - low)
+        return np.where(values < threshold, 0.0, np.clip(found, 0.0, 1 - 1e-9))
+
+    def picked(self, t: float, isovalue: float | None = None) -> Picked:
+        """The answer for a distance along the ray."""
+        x, y, z = (float(v) for v in self.point(t))
+        last = np.array(self.volume.dimensions) - 1
+        i, j, k = (int(v) for v in np.clip(np.rint(self.indices(t)[0]), 0, last))
+        return Picked((x, y, z), (i, j, k), float(self.values(t)[0]), isovalue)
+
+
+def first_visible(sight: Sight) -> Picked | None:
+    """The place where the ray has gathered half of its opacity; the extreme value in modes that show it."""
+    interval = sight.interval()
+    if interval is None:
+        return None
+    near, far = interval
+    length = (far - near) / sight.volume.mean_spacing
+    count = int(np.ceil(length * SAMPLES_PER_VOXEL)) + 1
+    t = near + (np.arange(count) + 0.5) * (far - near) / count
+    values = sight.values(t)
+    opacities = sight.opacities(values)
+    mode = getattr(sight.settings, "mode", "composite")
+    if mode in {"maximum", "minimum"}:
+        at = int(np.argmax(values) if mode == "maximum" else np.argmin(values))
+        return sight.picked(t[at]) if opacities[at] > 0 else None
+    gathered = 1.0 - np.cumprod((1.0 - opacities) ** (length / count))
+    if gathered[-1] < FAINTEST:
+        return None
+    return sight.picked(t[int(np.searchsorted(gathered, SEEN * gathered[-1]))])
+
+
+def surface(
+    sight: Sight,
+    isovalues: Sequence[float],
+    *,
+    opacities: Sequence[float] | None = None,
+    step: float = 0.5,
+    interpolation: str = "linear",
+) -> Picked | None:
+    """The isosurface that is seen along the ray; `step` in voxels of the smallest spacing."""
+    found = surface_on_ray(
+        sight.volume.array,
+        sight.volume.index_to_world,
+        sight.ray,
+        isovalues=isovalues,
+        opacities=opacities,
+        step_world=step * min(sight.volume.spacing),
+        crop=sight.crop,
+        clip_planes=sight.planes,
+        interpolation=interpolation,
+        lowest=float(sight.volume.range[0]),
+    )
+    if found is None:
+        return None
+    last = np.array(sight.volume.dimensions) - 1
+    i, j, k = (int(v) for v in np.clip(np.rint(found.voxel), 0, last))
+    return Picked(found.position, (i, j, k), found.value, float(isovalues[found.surface]))
+
+
+def on_isovalue(sight: Sight) -> Picked | None:
+    """The surface at the setting ``isovalue``, for techniques that show one; None = from the histogram."""
+    chosen = sight.settings.isovalue
+    return surface(sight, (float(auto_isovalue(sight.volume) if chosen is None else chosen),))
