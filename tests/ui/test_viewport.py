@@ -325,7 +325,5 @@ def test_a_double_click_looks_at_what_was_clicked_on(window: MainWindow) -> None
     radius = np.linalg.norm(np.subtract(after.focal_point, window.documents.volume.center))
     assert radius == pytest.approx(12, abs=1)
     assert window.store.scene.view.camera.focal_point == after.focal_point
-    QTest.mouseDClick(
-        window.viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, QPoint(5, 5)
-    )
+    double_click(window, QPoint(5, 5))
     assert window.viewport.view_camera == after
