@@ -229,6 +229,20 @@ class Actions(QObject):
         self.four_views = self._make(
             tr("&Four views"), lambda: compare.set_view_count(4), "Ctrl+4", "", tr("Compare four of them")
         )
+        self.modes: list[QAction] = []
+        modes = QActionGroup(self)
+        for mode, words, key, tooltip in (
+            ("side_by_side", tr("&Side by side"), "F6", tr("All views beside one another")),
+            ("wipe", tr("&Wipe"), "F7", tr("One view over the other, up to a line that can be dragged")),
+            ("blink", tr("&Blink"), "F8", tr("One view and the other in turn")),
+            ("difference", tr("&Difference"), "F9", tr("What one view has that the other has not")),
+        ):
+            action = self._make(
+                words, lambda _on=True, key=mode: compare.set_mode(key), key, "", tooltip, checkable=True
+            )
+            action.setData(mode)
+            modes.addAction(action)
+            self.modes.append(action)
         self.next_view = self._make(
             tr("&Next view"),
             compare.activate_next,
@@ -272,7 +286,14 @@ class Actions(QObject):
             (tr("Technique"), [*self.techniques, self.finer, self.coarser, self.machinery]),
             (
                 tr("Compare"),
-                [self.one_view, self.split, self.four_views, self.next_view, self.close_view],
+                [
+                    self.one_view,
+                    self.split,
+                    self.four_views,
+                    *self.modes,
+                    self.next_view,
+                    self.close_view,
+                ],
             ),
             (tr("Help"), [self.shortcuts]),
         ]

@@ -224,6 +224,7 @@ class MainWindow(QMainWindow):
         )
         show_value(self.store, lambda scene: len(scene.views), self._show_view_count)
         show_value(self.store, lambda scene: scene.active_index, self._show_active)
+        show_value(self.store, lambda scene: scene.comparison.mode, self._show_mode)
         self._show_history()
 
     def _restore(self) -> None:
@@ -320,6 +321,10 @@ class MainWindow(QMainWindow):
         self.actions_.split.setChecked(count > 1)
         for action in (self.actions_.next_view, self.actions_.close_view, self.actions_.swap_views):
             action.setEnabled(count > 1)
+
+    def _show_mode(self, mode: str) -> None:
+        for action in self.actions_.modes:
+            action.setChecked(action.data() == mode)
 
     def _show_active(self, _index: int) -> None:
         # panes are made by an earlier listener of the store

@@ -88,6 +88,8 @@ class Menus:
         compare = bar.addMenu(window.tr("&Compare"))
         compare.addActions([actions.one_view, actions.split, actions.four_views])
         compare.addSeparator()
+        compare.addActions(actions.modes)
+        compare.addSeparator()
         compare.addActions([actions.next_view, actions.swap_views, actions.close_view])
         self.compare = compare
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QNativeGestureEvent, QWheelEvent
+from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QNativeGestureEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
 
@@ -64,6 +64,8 @@ class Viewport(QtInteractor):
     pointer_left = Signal()
     double_clicked = Signal(QPointF)
     frame_drawn = Signal()
+    unseen_drawn = Signal(QImage)
+    """The picture of a viewport that is covered, each time that it was drawn."""
 
     # PyVista asks for pictures while it is being made
     _covered = False
@@ -126,7 +128,7 @@ class Viewport(QtInteractor):
     def _draw_unseen(self) -> None:
         """Qt paints nothing that lies below something else: draw into our own framebuffer."""
         if self._covered and self.isVisible() and not getattr(self, "_closed", False):
-            self.grabFramebuffer()
+            self.unseen_drawn.emit(self.grabFramebuffer())
 
     @property
     def pixel_size(self) -> tuple[int, int]:

@@ -9,14 +9,14 @@ from volviz.errors import InputError
 
 Mode = Literal["side_by_side", "wipe", "blink", "difference"]
 Map = Literal["signed", "absolute", "ssim"]
-Channel = Literal["luminance", "color", "red", "green", "blue"]
+Channel = Literal["luminance", "rgb", "red", "green", "blue"]
 
 MODES: tuple[Mode, ...] = ("side_by_side", "wipe", "blink", "difference")
 MAPS: tuple[Map, ...] = ("signed", "absolute", "ssim")
-CHANNELS: tuple[Channel, ...] = ("luminance", "color", "red", "green", "blue")
+CHANNELS: tuple[Channel, ...] = ("luminance", "rgb", "red", "green", "blue")
 MOST_VIEWS = 4
 PERIODS = (0.2, 5.0)
-SCALES = (0.002, 1.0)
+LIMITS = (1.0, 255.0)
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class Comparison:
         Seconds for which one picture stays before it blinks to the other, 0.2..5.
     map : {"signed", "absolute", "ssim"}
         What the difference shows: the difference with or without its sign, or the structural similarity.
-    channel : {"luminance", "color", "red", "green", "blue"}
-        Of what: "color" keeps the three channels apart.
-    scale : float or None
-        Difference that gets the strongest colour, as a fraction of white, 0.002..1; None: as the pictures are.
+    channel : {"luminance", "rgb", "red", "green", "blue"}
+        Of what: "rgb" keeps the three channels apart.
+    limit : float or None
+        Difference that gets the strongest colour, in levels of 0..255, 1..255; None: the largest there is.
 
     Raises
     ------
@@ -49,7 +49,7 @@ class Comparison:
     period: float = 0.7
     map: Map = "signed"
     channel: Channel = "luminance"
-    scale: float | None = None
+    limit: float | None = None
 
     def __post_init__(self) -> None:
         for name, value, known in (
@@ -62,7 +62,7 @@ class Comparison:
         for name, number, (low, high) in (
             ("divider", self.divider, (0.0, 1.0)),
             ("period", self.period, PERIODS),
-            ("scale", self.scale, SCALES),
+            ("limit", self.limit, LIMITS),
         ):
             if number is not None and not low <= number <= high:
                 raise InputError(f"{name} of a comparison lies within {low:g} and {high:g}, got {number!r}.")

@@ -33,6 +33,7 @@ class ViewHeader(QWidget):
     def __init__(self, store: Store, view: int, parent: QWidget) -> None:
         super().__init__(parent)
         self._active = False
+        self._dimmed = False
         self.setAccessibleName(self.tr("View %1").replace("%1", str(view + 1)))
         self.box = TechniqueBox(store, self, view=view)
         self.box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -67,6 +68,12 @@ class ViewHeader(QWidget):
             self._active = active
             self.update()
 
+    def set_dimmed(self, dimmed: bool) -> None:
+        """Step back while the other view of a blinking pair is shown."""
+        if dimmed != self._dimmed:
+            self._dimmed = dimmed
+            self.update()
+
     def show_status(self, status: Any) -> None:
         """Say how far the picture is and how long it took."""
         if status.complete and status.resolution >= 1:
@@ -89,7 +96,8 @@ class ViewHeader(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """A line in the accent colour below the header of the active view."""
         painter = QPainter(self)
-        painter.fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Window))
+        ground = QPalette.ColorRole.Window if self._dimmed else QPalette.ColorRole.Button
+        painter.fillRect(self.rect(), self.palette().color(ground))
         role = QPalette.ColorRole.Highlight if self._active else QPalette.ColorRole.Mid
         painter.fillRect(0, self.height() - ACCENT, self.width(), ACCENT, self.palette().color(role))
         painter.end()

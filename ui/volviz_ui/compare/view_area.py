@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from PySide6.QtCore import QPointF, QRect, Signal
-from PySide6.QtGui import QPainter, QPaintEvent, QPalette, QResizeEvent
+from PySide6.QtCore import QPointF, QTimer, Signal
+from PySide6.QtGui import QImage, QPainter, QPaintEvent, QPalette, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from volviz.errors import VolvizError
 from volviz.model.scene import Color, Scene, Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-from volviz_ui.compare.header import HEIGHT as HEADER
-from volviz_ui.compare.pane import BORDER, Pane
+from volviz_ui.compare.arrangement import Arrangement
+from volviz_ui.compare.difference_picture import Bytes, over
+from volviz_ui.compare.pane import Pane
 from volviz_ui.display import AddVolume
 from volviz_ui.documents import Documents
-
-GAP = 4
+from volviz_ui.scenery import background_picture
 
 
 class ViewArea(QWidget):
@@ -64,6 +65,12 @@ class ViewArea(QWidget):
         self._ray_mark: tuple[float, float] | None = None
         self._closed = False
         self.panes: list[Pane] = []
+        self.arrangement = Arrangement(self)
+        self.arrangement.divider_moved.connect(self._on_divider_moved)
+        self._rest = QTimer(self)
+        self._rest.setSingleShot(True)
+        self._rest.setInterval(0)
+        self._rest.timeout.connect(self._on_rest)
         self._add_pane()
         documents.volume_changed.connect(self._on_volume_changed)
         store.changed.connect(self._on_scene_changed)
@@ -83,8 +90,8 @@ class ViewArea(QWidget):
 
     @property
     def shown_panes(self) -> list[Pane]:
-        """The panes that are to be seen."""
-        return self.panes
+        """The panes that are to be seen, or whose difference is."""
+        return self.arrangement.shown
 
     @property
     def is_complete(self) -> bool:
@@ -112,7 +119,7 @@ class ViewArea(QWidget):
         viewport.gesture_started.connect(self.begin_gesture)
         viewport.gesture_finished.connect(self.end_gesture)
         viewport.camera_moved.connect(self._on_camera_moved)
-        viewport.pressed.connect(lambda: self.activate(pane.view))
+        viewport.pressed.connect(lambda: self._on_pressed(pane))
         viewport.pointer_moved.connect(lambda position: self.pointer_moved.emit(pane.view, position))
         viewport.pointer_left.connect(self.pointer_left)
         viewport.clicked.connect(lambda position: self.clicked.emit(pane.view, position))
@@ -128,7 +135,8 @@ class ViewArea(QWidget):
         display.status_changed.connect(lambda status: self.status_changed.emit(pane.view, status))
         pane.header.activated.connect(lambda: self.activate(pane.view))
         pane.header.closed.connect(lambda: self.close_view(pane.view))
-        pane.frame.show()
+        viewport.unseen_drawn.connect(lambda image: self._on_unseen_drawn(pane, image))
+        viewport.frame_drawn.connect(self._rest.start)
         return pane
 
     def _sync(self, scene: Scene) -> list[Pane]:
@@ -141,8 +149,6 @@ class ViewArea(QWidget):
                 self.end_gesture()
             pane.remove()
         new = [self._add_pane() for _ in range(count - len(self.panes))]
-        for pane in self.panes:
-            pane.display.share = 1.0 / count
         self.place()
         for pane in new:
             if self._documents.volume is not None and self._documents.is_ready_for(scene):
@@ -154,24 +160,9 @@ class ViewArea(QWidget):
 
     def place(self) -> None:
         """Lay the views out."""
-        if len(self.panes) == 1:
-            self.first.header.hide()
-            self.first.place(self.rect())
-        else:
-            self._place_side_by_side()
+        scene = self._store.scene
+        self.arrangement.arrange(self.panes, scene.active_index, scene.comparison)
         self.laid_out.emit()
-
-    def _place_side_by_side(self) -> None:
-        columns, rows = 2, (len(self.panes) + 1) // 2
-        # all cells are equally large, so that pictures can be compared pixel by pixel
-        width = (self.width() - GAP * (columns - 1)) // columns
-        height = (self.height() - GAP * (rows - 1)) // rows
-        for number, pane in enumerate(self.panes):
-            left = number % columns * (self.width() - width)
-            top = number // columns * (self.height() - height) if rows > 1 else 0
-            pane.header.setGeometry(left, top, width, HEADER)
-            pane.header.show()
-            pane.place(QRect(left, top + HEADER, width, height - HEADER), border=BORDER)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Share the new size out."""
@@ -197,9 +188,54 @@ class ViewArea(QWidget):
             label=self.tr("Close a view"),
         )
 
+    def _on_pressed(self, pane: Pane) -> None:
+        # while pictures blink nobody can choose which one to hit
+        if self._store.scene.comparison.mode not in ("blink", "difference"):
+            self.activate(pane.view)
+
+    def _on_divider_moved(self, share: float) -> None:
+        self._store.update(
+            lambda scene: replace(scene, comparison=replace(scene.comparison, divider=share)), record=False
+        )
+
     def _show_active(self, scene: Scene) -> None:
         for pane in self.panes:
             pane.set_active(pane.view == scene.active_index)
+
+    # ------------------------------------------------------------------ difference
+
+    def _on_unseen_drawn(self, pane: Pane, image: QImage) -> None:
+        pair = self.arrangement.pair
+        if pair is not None and self.arrangement.difference.isVisible() and pane in pair:
+            self.arrangement.difference.set_drawn(pair.index(pane), image)
+
+    def _on_rest(self) -> None:
+        """A frame was drawn: perhaps it was the last one before all pictures are complete."""
+        if self._closed or len(self.panes) < 2 or not self.is_complete:
+            return
+        pictures = self.pair_pictures()
+        if pictures is None:
+            return
+        if self.arrangement.difference.isVisible() and not self.arrangement.difference.is_exact:
+            self.arrangement.difference.set_complete(*pictures)
+
+    def pair_pictures(self) -> tuple[Bytes, Bytes] | None:
+        """The complete pictures of the compared pair, shape (H, W, 3), as they would be exported.
+
+        None while one of them is not complete.
+        """
+        pair = self.arrangement.pair
+        if pair is None or not self.is_complete:
+            return None
+        seen = []
+        for pane in pair:
+            try:
+                picture = pane.display.handle.read_picture()
+            except VolvizError:
+                return None  # drawn at a lower resolution: drawing failed
+            height, width = picture.shape[:2]
+            seen.append(over(picture, background_picture(self._store.scene.background, (width, height))))
+        return seen[0], seen[1]
 
     # ------------------------------------------------------------------ gestures
 
@@ -235,6 +271,8 @@ class ViewArea(QWidget):
                 pane.display.show_change(old, new)
         if old.active_index != new.active_index:
             self._show_active(new)
+        if (old.active_index, old.comparison) != (new.active_index, new.comparison):
+            self.place()
         if old.background != new.background:
             for pane in self.panes:
                 pane.scenery.set_background(new.background)
@@ -301,5 +339,7 @@ class ViewArea(QWidget):
             return
         self._closed = True
         self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._rest.stop()
+        self.arrangement.close()
         for pane in reversed(self.panes):
             pane.close()
