@@ -47,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import compare, inspect, meshes, pictures
+    from volviz.commands import bench, compare, inspect, meshes, pictures
 
     parser = argparse.ArgumentParser(
         prog="volviz",
@@ -56,13 +56,13 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (pictures, compare, meshes, inspect):
+    for module in (pictures, compare, bench, meshes, inspect):
         module.add_commands(commands)
     return parser
 
 
 _COMMANDS = (
-    "render", "compare", "isosurface", "crosscheck", "info", "samples", "techniques", "presets", "doctor",
+    "render", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques", "presets", "doctor",
 )  # fmt: skip
 
 

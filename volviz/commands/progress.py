@@ -1,11 +1,13 @@
-"""A line on the terminal that tells how far something is."""
+"""A line on the terminal that tells how far something is, and a Ctrl+C that waits for the frame at hand."""
 
 from __future__ import annotations
 
+import signal
 import sys
-from collections.abc import Iterable
-from types import TracebackType
-from typing import Self
+import threading
+from collections.abc import Generator
+from types import FrameType, TracebackType
+from typing import Any, Self
 
 BAR = 24
 
@@ -13,30 +15,53 @@ BAR = 24
 class ProgressLine:
     """A bar with words on standard error, rewritten in place; silent when that is no terminal.
 
-    A context manager: the line is cleared at the end.
+    A context manager: the line is cleared at the end. Within it the first Ctrl+C is answered between two steps of
+    `follow`: in the middle of a frame VTK would print the exception and swallow it. A second one acts at once.
     """
 
     def __init__(self) -> None:
         self._shown = sys.stderr.isatty()
+        self._stopping = False
+        self._handler: Any = None
 
     def show(self, fraction: float, words: str = "") -> None:
         """Show a fraction, 0..1, and what is being done."""
         if not self._shown:
             return
         full = round(BAR * min(max(fraction, 0.0), 1.0))
-        print(f"\r\x1b[K[{'#' * full}{'.' * (BAR - full)}] {100 * fraction:3.0f} % {words}"[:120],
-              end="", file=sys.stderr, flush=True)  # fmt: skip
+        bar = f"[{'#' * full}{'.' * (BAR - full)}] {100 * fraction:3.0f} % {words}"
+        print(f"\r\x1b[K{bar[:100]}", end="", file=sys.stderr, flush=True)
 
-    def follow(self, steps: Iterable[tuple[float, str]]) -> None:
-        """Run something that gives fraction and words, to its end."""
-        for fraction, words in steps:
-            self.show(fraction, words)
+    def follow(self, steps: Generator[tuple[float, str], None, None]) -> None:
+        """Run something that gives fraction and words, to its end.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            Ctrl+C was pressed; the work is closed before.
+        """
+        try:
+            for fraction, words in steps:
+                if self._stopping:
+                    raise KeyboardInterrupt
+                self.show(fraction, words)
+        finally:
+            steps.close()
 
     def __enter__(self) -> Self:
+        # only the main thread may, and only there does Ctrl+C arrive
+        if threading.current_thread() is threading.main_thread():
+            self._handler = signal.signal(signal.SIGINT, self._stop)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if self._handler is not None:
+            signal.signal(signal.SIGINT, self._handler)
         if self._shown:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+    def _stop(self, _number: int, _frame: FrameType | None) -> None:
+        self._stopping = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)

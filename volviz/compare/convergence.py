@@ -9,7 +9,7 @@ function jumps (Etiene et al. 2014).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,7 +29,9 @@ REFERENCE_STEP = 0.05
 BISECTIONS = (0, 1, 2, 3, 4, 5)
 REFERENCE_BISECTIONS = 14
 #: Techniques whose pictures converge to the one integral along the ray that our ray caster computes as well.
-ONE_INTEGRAL = ("raycast", "two_pass_raycast", "slicing", "vtk_gpu", "vtk_fixed_point")
+ONE_INTEGRAL = ("raycast", "two_pass_raycast", "slicing")
+#: VTK's for the same integral: they cannot be kept from ending rays early, so that their limit is another one.
+OWN_LIMIT = ("vtk_gpu", "vtk_fixed_point")
 #: Largest picture that is drawn for it.
 MOST_PIXELS = 320 * 240
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
@@ -59,6 +61,9 @@ class Convergence:
         Factor c and exponent p of the fitted line c * distance^p.
     reference : str
         Which picture was taken as converged.
+    offset : float or None
+        How far that picture is from the one to which our ray caster converges, in levels (RMS); None where it
+        is that picture, or where our ray caster shows something else.
     """
 
     name: str
@@ -71,6 +76,7 @@ class Convergence:
     slope: float
     fitted: tuple[float, float]
     reference: str
+    offset: float | None = None
 
 
 def fitted_line(distances: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:
@@ -131,11 +137,12 @@ class ConvergenceRun:
         self._best = reference_value or (REFERENCE_STEP if stepped else REFERENCE_BISECTIONS)
         self.result: Convergence | None = None
 
-    def steps(self) -> Iterator[float]:
+    def steps(self) -> Generator[float, None, None]:
         """Draw; gives the finished fraction, 0..1, after every picture. `result` stands at the end."""
         settings = {key: value for key, value in self._settings.items() if key != "slices"}
         total = len(self._values) + 1
         truth, words = self._converged(settings)
+        offset = self._offset(truth)
         yield 1 / total
         distances, errors, largest = [], [], []
         with Stage(self._view, self._info.id, settings | {self._parameter: self._values[0]}) as stage:
@@ -149,21 +156,33 @@ class ConvergenceRun:
         factor, slope = fitted_line(distances, errors)
         self.result = Convergence(
             self._name, self._info.id, str(self._parameter), tuple(float(v) for v in self._values),
-            tuple(distances), tuple(errors), tuple(largest), slope, (factor, slope), words,
+            tuple(distances), tuple(errors), tuple(largest), slope, (factor, slope), words, offset,
         )  # fmt: skip
 
     def _converged(self, settings: Mapping[str, Any]) -> tuple[npt.NDArray[np.float64], str]:
         technique, given = self._info.id, dict(settings)
         if technique in ONE_INTEGRAL:
-            # VTK writes bytes, slices are limited in number: the integral is the same
-            technique = "raycast"
-            known = {p.name for p in technique_info(technique).parameters}
-            given = {k: v for k, v in given.items() if k in known} | {"first_sample": 0.5}
-            given |= _exact(technique_info(technique))
+            # slices are limited in number; the integral is the same
+            technique, given = "raycast", self._as_raycast(given)
         given[str(self._parameter)] = self._best
-        with Stage(self._view, technique, given) as stage:
-            picture = stage.picture("float32").astype(np.float64)
-        return picture, f"{technique} with {self._parameter} = {self._best:g}"
+        return self._picture(technique, given), f"{technique} with {self._parameter} = {self._best:g}"
+
+    def _offset(self, truth: npt.NDArray[np.float64]) -> float | None:
+        """Distance of VTK's limit from ours."""
+        if self._info.id not in OWN_LIMIT:
+            return None
+        given = self._as_raycast(self._settings) | {"step": self._best}
+        difference = 255.0 * (truth - self._picture("raycast", given))
+        return float(np.sqrt(np.mean(difference**2)))
+
+    def _as_raycast(self, settings: Mapping[str, Any]) -> dict[str, Any]:
+        info = technique_info("raycast")
+        known = {p.name for p in info.parameters}
+        return {k: v for k, v in settings.items() if k in known} | {"first_sample": 0.5} | _exact(info)
+
+    def _picture(self, technique: str, settings: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+        with Stage(self._view, technique, settings) as stage:
+            return np.asarray(stage.picture("float32"), np.float64)
 
     def _distance(self, settings: Any) -> float:
         """What the error is plotted over, in voxels."""
@@ -188,7 +207,7 @@ def converging_parameter(info: TechniqueInfo) -> str | None:
     if "bisections" in names:
         return "bisections"
     # half-angle slicing compares with nothing: light and picture are refined by different settings
-    return "step" if "step" in names and info.id in ONE_INTEGRAL else None
+    return "step" if "step" in names and info.id in ONE_INTEGRAL + OWN_LIMIT else None
 
 
 def smaller(view: View) -> View:

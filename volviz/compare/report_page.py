@@ -233,9 +233,19 @@ def _convergence(comparison: Comparison) -> list[str]:
             "none" if math.isnan(c.slope) else f"{c.slope:.2f}",
             ", ".join(f"{d:.3g}: {e:.3g}" for d, e in zip(c.distances, c.errors, strict=True)),
             escape(c.reference),
+            "" if c.offset is None else f"{c.offset:.3g}",
         ]
         for c in found
     ]
+    heads = [
+        "technique",
+        "setting",
+        "slope",
+        "error by distance in voxels",
+        "converged picture",
+        "off raycast's",
+    ]
+    rows = _without_empty(heads, rows)
     return [
         "<h2>Convergence</h2>",
         (
@@ -243,7 +253,7 @@ def _convergence(comparison: Comparison) -> list[str]:
             "The slope of the fitted line is the order of convergence.</p>"
         ),
         convergence_plot(found),
-        _table(["technique", "setting", "slope", "error by distance in voxels", "converged picture"], rows),
+        _table(heads, rows),
     ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Any
@@ -97,7 +97,7 @@ class ComparisonRun:
         self._meshes: dict[str, Mesh] = {}
         self.result: Comparison | None = None
 
-    def steps(self) -> Iterator[tuple[float, str]]:
+    def steps(self) -> Generator[tuple[float, str], None, None]:
         """Work; gives the finished fraction, 0..1, and what comes next in words. `result` stands at the end.
 
         Closing the iterator early gives every window back.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -74,10 +74,8 @@ class Ratio:
 
     Attributes
     ----------
-    median : float
-        Quotient of the median times.
-    low, high : float
-        Quartiles of the quotients round by round: what of the ratio is certain on this machine.
+    median, low, high : float
+        Median and quartiles of the quotients round by round: a machine that is slow for a while is so for both.
     """
 
     median: float
@@ -99,8 +97,8 @@ def ratio(side: FrameTimes, base: FrameTimes) -> Ratio:
             f"there are no frame times of {side.name} or {base.name} to compare; measure some first."
         )
     by_round = np.array(side.seconds[:rounds]) / np.array(base.seconds[:rounds])
-    low, high = np.quantile(by_round, (0.25, 0.75))
-    return Ratio(side.median / base.median, float(low), float(high))
+    low, middle, high = np.quantile(by_round, (0.25, 0.5, 0.75))
+    return Ratio(float(middle), float(low), float(high))
 
 
 class FrameTimer:
@@ -152,7 +150,7 @@ class FrameTimer:
         self._seconds: dict[str, list[float]] = {name: [] for name in draws}
         self._gpu_seconds: dict[str, list[float]] = {name: [] for name in draws}
 
-    def steps(self) -> Iterator[float]:
+    def steps(self) -> Generator[float, None, None]:
         """Measure; gives the finished fraction, 0..1, after every frame."""
         begin = time.perf_counter()
         names = list(self._draws)
