@@ -329,11 +329,14 @@ class PropTechnique(Protocol):
         The depth of the frame goes into VTK's depth buffer (surfaces).
     within_tiles : bool
         Nothing is drawn outside the frame's tiles.
+    ambient_from_light : bool
+        The mapper multiplies the ambient part of the material with an ambient colour of the light.
     """
 
     by_tiles: bool
     writes_depth: bool
     within_tiles: bool
+    ambient_from_light: bool
 
     @property
     def props(self) -> Sequence[Any]:

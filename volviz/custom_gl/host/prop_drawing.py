@@ -130,7 +130,7 @@ class PropDrawing:
         # from 90 degrees on it is no cone
         self._light.SetConeAngle(180.0)
         self._renderer.AddLight(self._light)
-        self._chunks = 0
+        self._pieces = 0
 
     @property
     def writes_depth(self) -> bool:
@@ -148,22 +148,22 @@ class PropDrawing:
         return str(getattr(self._technique, "notice", ""))
 
     def plan(self, frame: Frame) -> int:
-        """One chunk per tile where the props can be cut, else one; 0 while a worker prepares them."""
+        """One chunk per tile where the props can be cut, else one, and one for the copy; 0 while a worker prepares."""
         if not self._technique.prepare(frame):
             return 0
         self._stages[frame.interactive].prepare(frame)
-        self._chunks = max(len(frame.tiles), 1) if self._technique.by_tiles else 1
-        return self._chunks
+        self._pieces = max(len(frame.tiles), 1) if self._technique.by_tiles else 1
+        return self._pieces + 1
 
     def draw(self, frame: Frame, chunk: int) -> None:
-        """Let VTK draw one piece; with the last one the picture is complete."""
+        """Let VTK draw one piece; the last chunk takes what is drawn into the frame's target."""
         stage = self._stages[frame.interactive]
-        if frame.tiles:
+        if chunk == self._pieces:
+            stage.copy_to(frame, depth=self._technique.writes_depth)
+        elif frame.tiles:
             tile = frame.tiles[chunk] if self._technique.by_tiles else (0, 0, *frame.size)
             self._draw_props(frame, stage, tile)
             self._technique.check()
-        if chunk == self._chunks - 1:
-            stage.copy_to(frame, depth=self._technique.writes_depth)
 
     def _draw_props(self, frame: Frame, stage: _Stage, tile: tuple[int, int, int, int]) -> None:
         window, renderer, camera = self._window, self._renderer, self._camera()
@@ -188,6 +188,9 @@ class PropDrawing:
             for prop in self._technique.props:
                 if prop.IsA("vtkVolume"):
                     prop.RenderVolumetricGeometry(renderer)
+                elif prop.HasTranslucentPolygonalGeometry():
+                    state.vtkglDepthMask(False)
+                    prop.RenderTranslucentPolygonalGeometry(renderer)
                 else:
                     prop.RenderOpaqueGeometry(renderer)
         finally:
@@ -211,7 +214,10 @@ class PropDrawing:
 
     def _place_light(self, frame: Frame) -> None:
         self._light.SetColor(*frame.light_color)
-        # volumes know a light at the eye of their own, lit without it as if they had no ambient part
+        # of ours, the colour of the light does not reach the ambient part; VTK asks the light for it
+        ambient = 1.0 if self._technique.ambient_from_light else 0.0
+        self._light.SetAmbientColor(ambient, ambient, ambient)
+        # volumes know a light at the eye as a case of its own, in which alone all of them have an ambient part
         if frame.headlight and any(prop.IsA("vtkVolume") for prop in self._technique.props):
             self._light.SetLightTypeToHeadlight()
             self._light.PositionalOff()

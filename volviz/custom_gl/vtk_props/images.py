@@ -24,10 +24,17 @@ Matrix = npt.NDArray[np.float64]
 class PlacedImage:
     """A volume for VTK's mappers.
 
-    Attributes
+    Parameters
     ----------
     volume : Volume
-        What it was made from.
+        What it is made from.
+    stride : int, default: 1
+        Takes every n-th voxel along each axis.
+
+    Attributes
+    ----------
+    volume, stride
+        As given.
     image : vtkImageData
         Scalars and spacing; shares the memory of the volume where it can.
     to_world : ndarray of shape (4, 4)
@@ -36,14 +43,15 @@ class PlacedImage:
         The first axis runs the other way.
     """
 
-    def __init__(self, volume: Volume) -> None:
-        self.volume = volume
+    def __init__(self, volume: Volume, stride: int = 1) -> None:
+        self.volume, self.stride = volume, stride
         self.mirrored = bool(np.linalg.det(volume.direction) < 0)
         # held for as long as VTK reads its memory
-        self._scalars = _scalars(volume, mirrored=self.mirrored)
+        self._scalars = _scalars(volume, stride, mirrored=self.mirrored)
+        dimensions = self._scalars.shape[::-1]
         self.image = vtk.vtkImageData()
-        self.image.SetDimensions(*volume.dimensions)
-        self.image.SetSpacing(*volume.spacing)
+        self.image.SetDimensions(*dimensions)
+        self.image.SetSpacing(*(stride * s for s in volume.spacing))
         scalars = vtk.numpy_to_vtk(
             self._scalars.reshape(-1), deep=False, array_type=vtk.get_vtk_array_type(self._scalars.dtype)
         )
@@ -53,7 +61,8 @@ class PlacedImage:
         self.to_world[:3, :3] = volume.direction
         self.to_world[:3, 3] = volume.origin
         if self.mirrored:
-            self.to_world[:3, 3] += volume.direction[:, 0] * volume.extent[0]
+            length = (dimensions[0] - 1) * stride * volume.spacing[0]
+            self.to_world[:3, 3] += volume.direction[:, 0] * length
             self.to_world[:3, 0] *= -1.0
 
     @property
@@ -64,15 +73,14 @@ class PlacedImage:
         return matrix
 
 
-def _scalars(volume: Volume, *, mirrored: bool) -> npt.NDArray[Any]:
+def _scalars(volume: Volume, stride: int, *, mirrored: bool) -> npt.NDArray[Any]:
     """The scalars in a type that all mappers take, as memory that VTK accepts; it only reads it."""
-    array = volume.array
+    array = volume.array[::stride, ::stride, ::stride]
     if array.dtype.kind == "f" and volume.nonfinite_count:
         array = np.where(np.isfinite(array), array, array.dtype.type(volume.range[0]))
     elif array.dtype.kind in "iu" and array.dtype.itemsize == 8:
         array = array.astype(np.float64)
-    if mirrored:
-        array = np.ascontiguousarray(array[:, :, ::-1])
+    array = np.ascontiguousarray(array[:, :, ::-1] if mirrored else array)
     if array.flags.writeable:
         return array
     # VTK refuses memory that is marked read-only, also for reading

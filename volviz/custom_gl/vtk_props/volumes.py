@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from volviz.custom_gl.vtk_props import border as vtk
 from volviz.custom_gl.vtk_props.clipping import Plane, image_box, set_planes, shown_part
+from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.custom_gl.vtk_props.functions import set_functions
 from volviz.custom_gl.vtk_props.images import PlacedImage
-from volviz.errors import RenderError
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
@@ -16,34 +16,7 @@ if TYPE_CHECKING:
 #: Clip planes that the mappers take.
 MAX_PLANES = 8
 
-_BLEND = {"composite": 0, "maximum": 1, "minimum": 2, "average": 3, "additive": 4}
-
-
-class ErrorWords:
-    """Keeps what a VTK object complains about, which VTK would only print."""
-
-    def __init__(self, *objects: Any) -> None:
-        self._words: list[str] = []
-        for item in objects:
-            item.AddObserver("ErrorEvent", self._note)
-
-    def _note(self, _caller: Any, _event: str, words: str = "") -> None:
-        self._words.append(words.strip().splitlines()[-1] if words else "no words")
-
-    _note.CallDataType = "string0"  # type: ignore[attr-defined]
-
-    def raise_any(self, what: str) -> None:
-        """Raise the first complaint.
-
-        Raises
-        ------
-        RenderError
-            There was one.
-        """
-        if self._words:
-            words = self._words[0]
-            self._words.clear()
-            raise RenderError(f"{what} could not draw this volume: {words}")
+_BLEND = {"composite": 0, "maximum": 1, "minimum": 2, "average": 3, "additive": 4, "isosurface": 5}
 
 
 class VolumeProp:
@@ -59,6 +32,11 @@ class VolumeProp:
     within_tiles = True
     #: The host may draw it piece by piece, through a scissor box.
     by_tiles = True
+    ambient_from_light = True
+    #: Lit, where the settings have no say in it.
+    always_lit = False
+    #: What is made of the samples, where the settings have no say in it.
+    only_mode = "composite"
 
     def __init__(self, mapper: Any) -> None:
         self.mapper = mapper
@@ -79,21 +57,25 @@ class VolumeProp:
     def prepare(self, frame: Frame) -> bool:
         """Take the values of a frame; always ready."""
         placed = self._place(frame)
-        if self._function is not frame.transfer_function:
-            self._function = frame.transfer_function
-            set_functions(self.property, frame.transfer_function, frame.volume.range)
+        self.classify(frame)
         settings = frame.settings
         self.property.SetScalarOpacityUnitDistance(frame.unit_distance)
         self.property.SetInterpolationType(0 if settings.interpolation == "nearest" else 1)
-        self.property.SetShade(bool(getattr(settings, "shading", False)))
+        self.property.SetShade(bool(getattr(settings, "shading", self.always_lit)))
         self.property.SetAmbient(settings.ambient)
         self.property.SetDiffuse(settings.diffuse)
         self.property.SetSpecular(settings.specular)
         self.property.SetSpecularPower(settings.shininess)
-        self.mapper.SetBlendMode(_BLEND[getattr(settings, "mode", "composite")])
+        self.mapper.SetBlendMode(_BLEND[getattr(settings, "mode", self.only_mode)])
         self._clip(frame, placed)
         self.sample(frame)
         return True
+
+    def classify(self, frame: Frame) -> None:
+        """Set colours and opacities: the transfer function."""
+        if self._function is not frame.transfer_function:
+            self._function = frame.transfer_function
+            set_functions(self.property, frame.transfer_function, frame.volume.range)
 
     def sample(self, frame: Frame) -> None:
         """Set what is special to the mapper: where it samples."""
@@ -130,3 +112,22 @@ class VolumeProp:
             # only then: VTK makes its shader anew
             set_planes(self.mapper, planes)
             self._planes = planes
+
+
+class GpuVolumeProp(VolumeProp):
+    """`vtkGPUVolumeRayCastMapper`, with nothing left to its own choice."""
+
+    #: With a placed light it would add the ambient part in white, without the colour of the sample.
+    ambient_from_light = False
+
+    def __init__(self) -> None:
+        mapper = vtk.vtkOpenGLGPUVolumeRayCastMapper()
+        mapper.AutoAdjustSampleDistancesOff()
+        mapper.LockSampleDistanceToInputSpacingOff()
+        mapper.SetImageSampleDistance(1.0)
+        super().__init__(mapper)
+
+    def sample(self, frame: Frame) -> None:
+        """The step, and VTK's own jitter on request."""
+        self.mapper.SetSampleDistance(frame.step_world)
+        self.mapper.SetUseJittering(bool(getattr(frame.settings, "jitter", False)))

@@ -1,0 +1,28 @@
+"""The isosurface as a mesh, by VTK's fastest filter (vtkFlyingEdges3D)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.vtk_props.settings import VtkSurfaceSettings
+
+
+def _create() -> Any:
+    # VTK is loaded when it is drawn with, not when techniques are listed
+    from volviz.custom_gl.techniques.vtk_flying_edges.technique import VtkFlyingEdges
+
+    return VtkFlyingEdges()
+
+
+TECHNIQUE = TechniqueInfo(
+    id="vtk_flying_edges",
+    label="VTK: Flying edges",
+    summary="The isosurface as a mesh, by VTK's fastest filter (vtkFlyingEdges3D).",
+    settings=VtkSurfaceSettings,
+    create=_create,
+    kind="prop",
+    counterpart_of=("marching_cubes", "marching_tetrahedra"),
+    uses_transfer_function=False,
+    order=240,
+)

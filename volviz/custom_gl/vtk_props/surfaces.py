@@ -1,0 +1,140 @@
+"""Isosurfaces that VTK's filters extract and its polygon mapper draws."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from volviz.custom_gl.vtk_props import border as vtk
+from volviz.custom_gl.vtk_props.background import Background
+from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
+from volviz.custom_gl.vtk_props.errors import ErrorWords
+from volviz.custom_gl.vtk_props.images import PlacedImage
+from volviz.model.auto_isovalue import auto_isovalue
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.technique import Frame
+    from volviz.model.volume import Volume
+
+#: Clip planes that the polygon mapper takes; with more the mesh itself is cut.
+MAX_PLANES = 6
+#: Seconds that a picture waits for its mesh before the window gets its turn.
+PATIENCE = 0.015
+
+
+class _Wish(NamedTuple):
+    """What is to be extracted; equal wishes give equal meshes."""
+
+    volume: Volume
+    isovalue: float
+    stride: int
+    smooth: bool
+    cuts: tuple[Plane, ...]
+
+
+class _Surface(NamedTuple):
+    """A mesh in the coordinates of its image, and where that lies."""
+
+    wish: _Wish
+    placed: PlacedImage
+    mesh: Any
+
+
+class SurfaceProp:
+    """A `vtkActor` with a mesh that a filter makes of the volume.
+
+    Parameters
+    ----------
+    make_filter : type
+        `vtkMarchingCubes`, `vtkFlyingEdges3D` or another contour filter for images.
+    """
+
+    by_tiles = False
+    writes_depth = True
+    within_tiles = True
+    ambient_from_light = True
+
+    def __init__(self, make_filter: Any) -> None:
+        self._make_filter = make_filter
+        self._background: Background[_Wish, _Surface] = Background()
+        self._shown: _Surface | None = None
+        self.actor = vtk.vtkActor()
+        self.mapper = vtk.vtkPolyDataMapper()
+        self.mapper.ScalarVisibilityOff()
+        self.actor.SetMapper(self.mapper)
+        self.errors = ErrorWords(self.mapper, self.actor)
+
+    @property
+    def props(self) -> tuple[Any, ...]:
+        """The surface."""
+        return (self.actor,)
+
+    def prepare(self, frame: Frame) -> bool:
+        """Extract the surface on a thread; True when there is one to show."""
+        settings, volume = frame.settings, frame.volume
+        planes = shown_part(frame)
+        isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
+        wish = _Wish(
+            volume,
+            float(isovalue),
+            settings.stride,
+            settings.normals == "gradient",
+            tuple(planes[MAX_PLANES:]),
+        )
+        surface = self._background.get(wish, lambda: self._extract(wish), PATIENCE)
+        if surface is None:
+            # while something moves, the surface of before is better than a picture that stands still
+            if not frame.interactive or self._shown is None or self._shown.wish.volume is not volume:
+                return False
+            surface = self._shown
+        if surface is not self._shown:
+            self._shown = surface
+            self.mapper.SetInputData(surface.mesh)
+            self.actor.SetUserMatrix(surface.placed.matrix)
+        set_planes(self.mapper, planes[:MAX_PLANES])
+        look = self.actor.GetProperty()
+        look.SetColor(*settings.color)
+        look.SetSpecularColor(1.0, 1.0, 1.0)
+        look.SetAmbient(settings.ambient)
+        look.SetDiffuse(settings.diffuse)
+        look.SetSpecular(settings.specular)
+        look.SetSpecularPower(settings.shininess)
+        look.SetInterpolation(2 if wish.smooth else 0)
+        look.SetRepresentation(1 if settings.wireframe else 2)
+        return True
+
+    def _extract(self, wish: _Wish) -> _Surface:
+        placed = PlacedImage(wish.volume, wish.stride)
+        contour = self._make_filter()
+        errors = ErrorWords(contour)
+        contour.SetInputData(placed.image)
+        contour.SetValue(0, wish.isovalue)
+        contour.SetComputeNormals(wish.smooth)
+        contour.ComputeGradientsOff()
+        contour.ComputeScalarsOff()
+        contour.Update()
+        errors.raise_any(contour.GetClassName())
+        mesh = contour.GetOutput()
+        to_image = np.linalg.inv(placed.to_world)
+        for origin, normal in wish.cuts:
+            plane = vtk.vtkPlane()
+            plane.SetOrigin(*(to_image @ (*origin, 1.0))[:3])
+            plane.SetNormal(*(placed.to_world[:3, :3].T @ normal))
+            clip = vtk.vtkClipPolyData()
+            clip.SetInputData(mesh)
+            clip.SetClipFunction(plane)
+            clip.Update()
+            mesh = clip.GetOutput()
+        return _Surface(wish, placed, mesh)
+
+    def check(self) -> None:
+        """Raise what VTK complained about while it drew."""
+        self.errors.raise_any(self.mapper.GetClassName())
+
+    def release(self, window: Any) -> None:
+        """Release what lies on the GPU; the context is current."""
+        self._background.close()
+        self.actor.ReleaseGraphicsResources(window)
+        self.mapper.RemoveAllInputs()
+        self._shown = None
