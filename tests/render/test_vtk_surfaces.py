@@ -98,7 +98,9 @@ def test_a_surface_of_vtk_is_cut_by_meshes_and_cuts_them() -> None:
         plotter.render_window.SetMultiSamples(0)
         try:
             plotter.background_color = "black"
-            plotter.add_mesh(pyvista.Sphere(radius=7.0, center=(x + 4, y - 4, z)), color="red", lighting=False)
+            plotter.add_mesh(
+                pyvista.Sphere(radius=7.0, center=(x + 4, y - 4, z)), color="red", lighting=False
+            )
             volviz.add_volume(plotter, of, technique, transfer_function=function(of), **DULL)
             apply_camera(plotter.camera, camera(of))
             plotter.reset_camera_clipping_range()
