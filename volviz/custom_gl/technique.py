@@ -206,6 +206,9 @@ class Frame:
     filter_triangles : callable or None
         Smooths and decimates triangles (VTK's filters); may be called on any thread, see
         `volviz.custom_gl.host.mesh_filters.filter_triangles`.
+    read_triangles : callable or None
+        Reads the surface in a mesh file (VTK's readers); may be called on any thread, see
+        `volviz.custom_gl.host.mesh_reading.read_triangles`.
     """
 
     gpu: Gpu
@@ -230,6 +233,7 @@ class Frame:
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
     filter_triangles: Callable[..., Any] | None = None
+    read_triangles: Callable[..., Any] | None = None
 
     @property
     def box_corners(self) -> Matrix:

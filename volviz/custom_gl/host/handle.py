@@ -18,6 +18,7 @@ from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.frame_uniforms import box_tiles, pixel_size, shared_uniforms
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
 from volviz.custom_gl.host.mesh_filters import filter_triangles
+from volviz.custom_gl.host.mesh_reading import read_triangles
 from volviz.custom_gl.host.no_textures import NO_TEXTURES, NoTextures
 from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
 from volviz.custom_gl.host.picture import composite
@@ -696,6 +697,7 @@ class VolumeHandle:
             tiles=(),
             uniforms={},
             filter_triangles=filter_triangles,
+            read_triangles=read_triangles,
         )
         frame.level = self._level_of_detail(frame)
         frame.resources.select(frame.level)

@@ -39,6 +39,7 @@ TECHNIQUE = TechniqueInfo(
         "two_passes": "both ways give the same picture",
         "self_shadowing": "acts where light grazes or comes from behind",
         "subdivisions": "acts with lighting per vertex",
+        "mesh_file": "acts on the mesh",
         "isovalue": "acts on the mesh",
         "stride": "acts on the mesh",
     },

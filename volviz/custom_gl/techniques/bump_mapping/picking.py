@@ -16,7 +16,8 @@ def pick(sight: Sight) -> Picked | None:
     """The nearest point of the surface that is not cut out."""
     settings, volume = sight.settings, sight.volume
     if settings.surface == "mesh":
-        return on_isovalue(sight)
+        # a mesh from a file is in the hands of the worker; its place in the data is not known here
+        return None if settings.mesh_file else on_isovalue(sight)
     pieces = polygons(
         crop_corners(volume.index_to_world, sight.crop, volume.dimensions),
         volume.direction,

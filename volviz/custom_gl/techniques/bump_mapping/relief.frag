@@ -40,7 +40,7 @@ const float GAIN = 32.0;
 // Colour and opacity of the place itself, before any light.
 vec4 surface_color(vec3 p) {
     vec4 surface = vec4(u_flat_color, 1.0);
-#if MESH
+#if MESH && !MESH_FILE
     // a coarse triangle lies beside the surface: its colour is that of the isovalue
 #if COLOR_TABLE
     surface.rgb = classify(max(u_mesh_fraction, u_density_threshold)).rgb;
@@ -51,10 +51,12 @@ vec4 surface_color(vec3 p) {
 #if COLOR_TABLE
     surface.rgb = c.rgb;
 #endif
+#if !MESH
 #if CUT_OUT
     surface.a = clamp(c.a / SHOWN, 0.0, 1.0);
 #endif
     if (s < u_density_threshold) surface.a = 0.0;
+#endif
 #endif
     return surface;
 }

@@ -20,7 +20,7 @@ SURFACES = (
     ("plane", "Cut plane"),
     ("box", "Faces of the crop box"),
     ("both", "Plane and faces"),
-    ("mesh", "Isosurface mesh"),
+    ("mesh", "Mesh"),
 )
 NORMAL_SOURCES = (
     ("data", "Relief of the data"),
@@ -48,7 +48,8 @@ class BumpSettings:
     surface: str = parameter(
         "plane",
         "Surface",
-        "A plane through the volume, the faces of the crop box, both, or a coarse mesh of an isosurface.",
+        "A plane through the volume, the faces of the crop box, both, or a mesh: a coarse isosurface or one from a "
+        "file.",
         choices=SURFACES,
         group="Surface",
         cost=Cost.DATA,
@@ -82,6 +83,18 @@ class BumpSettings:
         none_label="the volume's own third axis",
         group="Surface",
         enabled_by=("normal_source", _PATTERNS),
+    )
+    mesh_file: str | None = parameter(
+        None,
+        "Mesh file",
+        "A mesh in the world of the volume: STL, OBJ, PLY, VTK and others. Patterns follow its texture "
+        "coordinates when it has any; colours and relief come from the data it goes through.",
+        kind="path",
+        optional=True,
+        none_label="isosurface of the data",
+        group="Surface",
+        enabled_by=("surface", ("mesh",)),
+        cost=Cost.DATA,
     )
     isovalue: float | None = parameter(
         None,

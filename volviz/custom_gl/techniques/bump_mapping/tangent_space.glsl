@@ -11,7 +11,7 @@ uniform float u_bump_strength;
 uniform float u_relief_height;       // world units that the whole range of the data is high
 uniform float u_green;               // -1 when the map's green points down
 
-#if MESH
+#if MESH && !MESH_FILE
 uniform mat4 u_world_to_texture;
 uniform float u_mesh_fraction;       // the isovalue as fraction of the data range
 uniform float u_mesh_reach;          // world units that triangles may lie off the surface
@@ -42,7 +42,7 @@ vec3 vector_color(vec3 v) {
 #endif
 }
 
-#if MESH
+#if MESH && !MESH_FILE
 // The point of the isosurface that lies nearest along the triangle's normal, as when normal maps are baked; false when
 // there is none within reach.
 bool on_surface(inout vec3 p, vec3 n) {
@@ -67,7 +67,7 @@ bool on_surface(inout vec3 p, vec3 n) {
 
 // The normal of the relief in tangent space, unit length.
 vec3 tangent_normal(vec3 p, vec2 uv, vec3 t, vec3 b, vec3 n, float facing) {
-#if SOURCE_DATA && MESH
+#if SOURCE_DATA && MESH && !MESH_FILE
     // the surface's own normal, taken where the surface is: beside the coarse triangle
     n = normalize(n);
     bool found = on_surface(p, n);

@@ -13,7 +13,8 @@ import numpy.typing as npt
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame, Tile
 from volviz.custom_gl.techniques.bump_mapping.maps import MapTextures
-from volviz.custom_gl.techniques.bump_mapping.mesh_surface import mesh_data
+from volviz.custom_gl.techniques.bump_mapping.mesh_surface import MeshData, file_mesh, isosurface_mesh
+from volviz.custom_gl.techniques.bump_mapping.mesh_worker import Make, MeshWorker
 from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS
 from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
 from volviz.model.auto_isovalue import auto_isovalue
@@ -30,6 +31,8 @@ RELIEF_VOXELS = 6.0
 TILES = 4
 #: Vertices of a mesh that one chunk draws, three a triangle: about 20 ms on software OpenGL.
 CHUNK_VERTICES = 3 * 40_000
+#: Seconds that a picture waits for the mesh before the window gets its turn.
+PATIENCE = 0.015
 
 _ENCODINGS = {"float": 0, "bytes": 1, "bytes_classic": 2}
 _DISPLAYS = {name: number for number, (name, _) in enumerate(DISPLAYS)}
@@ -61,7 +64,13 @@ class _Part:
 
 
 class BumpMapping:
-    """Draws flat surfaces in bands of the picture, and meshes some triangles at a time."""
+    """Draws flat surfaces in bands of the picture, and meshes some triangles at a time.
+
+    Attributes
+    ----------
+    notice : str
+        What people should know of the last picture; empty when it is as they would expect.
+    """
 
     writes_depth = True
 
@@ -72,10 +81,14 @@ class BumpMapping:
         self._parts: list[_Part] = []
         self._targets: Any = None
         self._isovalue = 0.0
+        self._mesh = MeshWorker()
+        self._own_uv = False
+        self.notice = ""
 
     def plan(self, frame: Frame) -> int:
-        """One chunk per row of tiles; for a mesh, one per stage and part of its triangles."""
-        self._update_geometry(frame)
+        """One chunk per row of tiles; for a mesh, one per stage and part of its triangles, 0 while it is made."""
+        if not self._update_geometry(frame):
+            return 0
         if frame.settings.surface != "mesh":
             self._parts = [_Part("surface", 0, 0, band) for band in bands(frame.tiles)]
         else:
@@ -138,17 +151,13 @@ class BumpMapping:
 
     # ------------------------------------------------------------------ what is drawn
 
-    def _update_geometry(self, frame: Frame) -> None:
+    def _update_geometry(self, frame: Frame) -> bool:
+        """Have what is drawn on the GPU; False while a worker makes it."""
         s = frame.settings
-        middle = np.asarray(frame.volume.center)
+        self.notice = ""
         if s.surface == "mesh":
-            self._isovalue = auto_isovalue(frame.volume) if s.isovalue is None else s.isovalue
-            key: Any = ("mesh", frame.volume, self._isovalue, s.stride)
-            if self._geometry is None or self._geometry.key != key:
-                self._replace(_Geometry(frame, key, *mesh_data(frame.volume, self._isovalue, s.stride)))
-                assert self._geometry is not None
-                self._ranges = [(0, 0, self._geometry.elements)]
-            return
+            return self._update_mesh(frame)
+        middle = np.asarray(frame.volume.center)
         pieces = polygons(
             frame.box_corners,
             frame.volume.direction,
@@ -161,6 +170,41 @@ class BumpMapping:
         key = ("polygons", data.tobytes())
         if self._geometry is None or self._geometry.key != key:
             self._replace(_Geometry(frame, key, data) if len(data) else None)
+        return True
+
+    def _update_mesh(self, frame: Frame) -> bool:
+        s = frame.settings
+        key, make = self._wish(frame)
+        mesh = self._mesh.get(key, make, PATIENCE)
+        held = self._geometry
+        if mesh is None:
+            # while something moves, the mesh that was shown does for the new one
+            shows_mesh = held is not None and held.key[:2] == ("mesh", frame.volume)
+            return frame.interactive and shows_mesh
+        self._isovalue = 0.0 if s.mesh_file else key[2]
+        self._own_uv, self.notice = mesh.own_uv, mesh.notice
+        if held is None or held.key != key:
+            self._replace(_Geometry(frame, key, mesh.data, mesh.faces))
+            self._ranges = [(0, 0, mesh.faces.size)]
+        return True
+
+    def _wish(self, frame: Frame) -> tuple[Any, Make]:
+        """What identifies the mesh that is wanted, and how it is made; neither refers to the frame."""
+        s, volume, read = frame.settings, frame.volume, frame.read_triangles
+        if s.mesh_file and read is not None:
+            file = Path(s.mesh_file).expanduser()
+            changed = file.stat().st_mtime_ns if file.is_file() else 0
+
+            def from_file(cancel: Any) -> MeshData:
+                return file_mesh(volume, read(str(file), cancel=cancel), file.name)
+
+            return ("mesh", volume, str(file), changed), from_file
+        isovalue = float(auto_isovalue(volume) if s.isovalue is None else s.isovalue)
+        stride = int(s.stride)
+        return (
+            ("mesh", volume, isovalue, stride),
+            lambda cancel: isosurface_mesh(volume, isovalue, stride, cancel),
+        )
 
     def _replace(self, geometry: _Geometry | None) -> None:
         if self._geometry is not None:
@@ -176,6 +220,7 @@ class BumpMapping:
             {
                 "PASS": {"light": 1, "color": 2}.get(stage, 0),
                 "MESH": s.surface == "mesh",
+                "MESH_FILE": s.surface == "mesh" and bool(s.mesh_file),
                 "SOURCE_DATA": s.normal_source == "data",
                 "COLOR_TABLE": s.color_source == "transfer_function",
                 "CUT_OUT": bool(s.cut_out),
@@ -210,7 +255,7 @@ class BumpMapping:
             "u_relative_to_texture": shared["u_world_to_texture"] @ to_world,
             "u_relative_light": tuple(np.asarray(shared["u_light_position"]) - middle),
             "u_relative_eye": tuple(np.asarray(shared["u_eye"]) - middle),
-            "u_tiles_per_world": 1.0 / tile,
+            "u_tiles_per_world": 1.0 if s.surface == "mesh" and self._own_uv else 1.0 / tile,
             "u_bump_strength": s.bump_strength,
             "u_relief_height": s.bump_strength * RELIEF_VOXELS * volume.mean_spacing,
             "u_green": -1.0 if s.normal_source == "image" and s.flip_green else 1.0,
@@ -227,7 +272,8 @@ class BumpMapping:
         return frame.gpu.targets.get(_purpose(self, interactive=frame.interactive), frame.size)
 
     def release(self) -> None:
-        """Release buffers, textures and the target of two passes."""
+        """Release buffers, textures and the target of two passes; stop the worker."""
+        self._mesh.close()
         self._replace(None)
         self._maps.release()
         if self._targets is not None:
