@@ -34,7 +34,7 @@ def prepare_opengl() -> None:
 
 def show_message(_kind: QtMsgType, _context: QMessageLogContext, text: str) -> None:
     """Pass Qt's messages on to stderr, but for one that every viewport causes and that means nothing."""
-    if not text.startswith("Setting a new default format"):
+    if "Setting a new default format" not in text:
         print(text, file=sys.stderr)
 
 
