@@ -1,19 +1,20 @@
-// Blinn-Phong lighting (Blinn 1977), two-sided, in world space.
+// Blinn-Phong lighting (Blinn 1977), two-sided, in world space about the middle of the volume: far from the world's
+// origin, 32-bit floats could not tell a voxel from the next.
 
-uniform mat4 u_texture_to_world;
-uniform vec3 u_eye;               // world; for parallel projection a point far behind the view
-uniform vec3 u_light_position;    // world
+uniform mat4 u_texture_to_place;
+uniform vec3 u_eye_place;         // for parallel projection a point far behind the view
+uniform vec3 u_light_place;
 uniform vec3 u_light_color;
 uniform float u_flat_gradient;    // gradients up to this are rounding, not surfaces
 uniform vec4 u_material;          // ambient, diffuse, specular, shininess
 
-// Colour of a surface with that world normal (any length; zero = unlit) at a point in world space.
-vec3 lit_color(vec3 color, vec3 normal, vec3 world) {
+// Colour of a surface with that world normal (any length; zero = unlit) at a place, world units from the middle.
+vec3 lit_color(vec3 color, vec3 normal, vec3 place) {
     float size = length(normal);
     if (!(size > u_flat_gradient)) return color;
     vec3 n = normal / size;
-    vec3 v = normalize(u_eye - world);
-    vec3 l = normalize(u_light_position - world);
+    vec3 v = normalize(u_eye_place - place);
+    vec3 l = normalize(u_light_place - place);
     vec3 sum = l + v;
     float half_length = length(sum);
     float n_dot_l = abs(dot(n, l));
@@ -24,5 +25,5 @@ vec3 lit_color(vec3 color, vec3 normal, vec3 world) {
 }
 
 vec3 lit_at_texture_point(vec3 color, vec3 normal, vec3 p) {
-    return lit_color(color, normal, (u_texture_to_world * vec4(p, 1.0)).xyz);
+    return lit_color(color, normal, (u_texture_to_place * vec4(p, 1.0)).xyz);
 }

@@ -24,6 +24,14 @@ def texture_to_world(volume: Any, texels: Any) -> Matrix:
     return np.asarray(volume.index_to_world @ to_index)
 
 
+def about(volume: Any, to_world: Matrix) -> Matrix:
+    """A 4 x 4 matrix to the world as one to world units from the middle of the volume, which shaders light in."""
+    moved = to_world.copy()
+    # in float64, before shaders round to float32
+    moved[:3, 3] -= volume.center
+    return moved
+
+
 def shared_uniforms(frame: Frame) -> dict[str, Any]:
     """Values of the uniforms declared in ``glsl/``, by name; matrices are float64 arrays, row-major."""
     volume, texels, settings = frame.volume, frame.resources.texels, frame.settings
@@ -57,9 +65,12 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
         "u_gradient_opacity": value("gradient_opacity", 0.0),
         "u_inverse_gradient_scale": 1.0,
+        "u_texture_to_place": about(volume, to_world),
         "u_eye": tuple(_eye(frame)),
+        "u_eye_place": tuple(_eye(frame) - volume.center),
         "u_view_direction": tuple(frame.camera.direction),
         "u_light_position": tuple(light_place(frame)),
+        "u_light_place": tuple(light_place(frame) - volume.center),
         "u_light_color": frame.light_color,
         "u_flat_gradient": 1e-5 / volume.mean_spacing,
         "u_material": (

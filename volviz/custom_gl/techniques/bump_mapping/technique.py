@@ -253,8 +253,8 @@ class BumpMapping:
         return {
             "u_relative_to_clip": frame.camera.view_projection @ to_world,
             "u_relative_to_texture": shared["u_world_to_texture"] @ to_world,
-            "u_relative_light": tuple(np.asarray(shared["u_light_position"]) - middle),
-            "u_relative_eye": tuple(np.asarray(shared["u_eye"]) - middle),
+            "u_relative_light": shared["u_light_place"],
+            "u_relative_eye": shared["u_eye_place"],
             "u_tiles_per_world": 1.0 if s.surface == "mesh" and self._own_uv else 1.0 / tile,
             "u_bump_strength": s.bump_strength,
             "u_relief_height": s.bump_strength * RELIEF_VOXELS * volume.mean_spacing,

@@ -126,7 +126,7 @@ class HalfAngle:
             "u_scattering": settings.scattering,
         }
         if headlight:
-            uniforms["u_light_position"] = frame.uniforms["u_eye"]
+            uniforms["u_light_place"] = frame.uniforms["u_eye_place"]
         return uniforms
 
     def _chunks(self, frame: Frame) -> list[tuple[int, int]]:

@@ -2,7 +2,7 @@
 #include "classification.glsl"
 #include "lighting.glsl"
 
-uniform mat4 u_index_to_world;
+uniform mat4 u_index_to_place;     // world units from the middle of the volume
 uniform mat4 u_index_to_clip;
 uniform vec3 u_crop_low;             // voxel indices
 uniform vec3 u_crop_high;
@@ -41,7 +41,7 @@ void main() {
     vec4 classified = classify(a_value);
     vec3 color = u_classic_color ? CLASSIC_COLOR : classified.rgb;
 #if SHADING
-    color = lit_color(color, 2.0 * u_flat_gradient * a_normal, (u_index_to_world * vec4(a_index, 1.0)).xyz);
+    color = lit_color(color, 2.0 * u_flat_gradient * a_normal, (u_index_to_place * vec4(a_index, 1.0)).xyz);
 #endif
     float pixels = u_diameter * u_pixels_per_unit / clip.w;
     v_color = vec4(color, 1.0);
