@@ -243,6 +243,13 @@ class Actions(QObject):
             action.setData(mode)
             modes.addAction(action)
             self.modes.append(action)
+        self.with_vtk = self._make(
+            tr("Compare with &VTK"),
+            compare.compare_with_vtk,
+            "Ctrl+K",
+            "",
+            tr("What VTK's own mapper draws, with the same settings, beside the active view"),
+        )
         self.next_view = self._make(
             tr("&Next view"),
             compare.activate_next,
@@ -290,6 +297,8 @@ class Actions(QObject):
                     self.one_view,
                     self.split,
                     self.four_views,
+                    self.with_vtk,
+                    self._window.compare_dock.toggleViewAction(),
                     *self.modes,
                     self.next_view,
                     self.close_view,

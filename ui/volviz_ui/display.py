@@ -114,6 +114,15 @@ class Display(QObject):
             self._viewport.render()
 
     @property
+    def in_gesture(self) -> bool:
+        """Whether something is being dragged."""
+        return self._gestures > 0
+
+    def show_picture(self) -> None:
+        """Bring the picture at hand to the screen."""
+        self._viewport.render()
+
+    @property
     def share(self) -> float:
         """Part of the time of an interactive frame that this picture may take, 0..1."""
         return self._share

@@ -22,6 +22,8 @@ from volviz_ui.autosave import Autosave
 from volviz_ui.banner import Banner
 from volviz_ui.binding import show_value
 from volviz_ui.compare.commands import CompareCommands
+from volviz_ui.compare.measurements import Measurements
+from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.view_area import ViewArea
 from volviz_ui.dialogs.about import AboutDialog
 from volviz_ui.dialogs.error import sentence_of, show_error
@@ -108,6 +110,8 @@ class MainWindow(QMainWindow):
         self.technique_panel = TechniquePanel(self.store, self)
         self.transfer_editor = TransferEditor(self.store, self)
         self.ray_panel = RayPanel(self)
+        self.compare_commands = CompareCommands(self)
+        self.compare_panel = ComparePanel(self.store, self.compare_commands, self)
         self.transfer_editor.counter.workers.gate = self.gate
         self.docks = self._make_docks()
         self.thumbnails = Thumbnails(self.workers, self)
@@ -121,10 +125,12 @@ class MainWindow(QMainWindow):
             self.ray_panel,
             self,
         )
+        self.measurements = Measurements(
+            self.store, self.documents, self.views, self.workers, self.compare_panel, self
+        )
         self.file_commands = FileCommands(self)
         self.session_commands = SessionCommands(self)
         self.view_commands = ViewCommands(self)
-        self.compare_commands = CompareCommands(self)
         self.actions_ = Actions(self)
         self.menus = Menus(self)
         self._last_error: BaseException | None = None
@@ -178,7 +184,15 @@ class MainWindow(QMainWindow):
         self.ray_dock.toggleViewAction().setToolTip(
             self.tr("Follow the ray behind a pixel, sample by sample: click in the picture")
         )
-        return [data, technique, transfer, self.ray_dock]
+        self.compare_dock = Dock("compare_dock", self.tr("Compare"), self.compare_panel, self)
+        self.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, self.compare_dock)
+        self.tabifyDockWidget(data, self.compare_dock)
+        self.compare_dock.hide()
+        self.compare_dock.toggleViewAction().setShortcut("Ctrl+M")
+        self.compare_dock.toggleViewAction().setToolTip(
+            self.tr("How two views are compared, and what is measured of them")
+        )
+        return [data, technique, transfer, self.ray_dock, self.compare_dock]
 
     def _connect(self) -> None:
         for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
@@ -257,6 +271,9 @@ class MainWindow(QMainWindow):
         self.ray_dock.setFloating(False)
         self.splitDockWidget(self.docks[2], self.ray_dock, Qt.Orientation.Horizontal)
         self.ray_dock.hide()
+        self.compare_dock.setFloating(False)
+        self.tabifyDockWidget(self.docks[0], self.compare_dock)
+        self.compare_dock.hide()
         self.resizeDocks(self.docks[:2], [264, 340], Qt.Orientation.Horizontal)
         self.resizeDocks(self.docks[2:3], [236], Qt.Orientation.Vertical)
 
@@ -494,6 +511,7 @@ class MainWindow(QMainWindow):
             self.autosave.close()
         self.ray_inspector.close()
         self.transfer_editor.close_workers()
+        self.measurements.close()
         self.workers.close()
         self.views.close_views()
         self.documents.close()

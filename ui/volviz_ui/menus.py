@@ -86,7 +86,8 @@ class Menus:
         technique.addActions([actions.finer, actions.coarser, actions.machinery, actions.reset_settings])
 
         compare = bar.addMenu(window.tr("&Compare"))
-        compare.addActions([actions.one_view, actions.split, actions.four_views])
+        compare.addActions([actions.one_view, actions.split, actions.four_views, actions.with_vtk])
+        compare.addAction(window.compare_dock.toggleViewAction())
         compare.addSeparator()
         compare.addActions(actions.modes)
         compare.addSeparator()

@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject
 
+from volviz.framing import visible_points
 from volviz.model.comparison import Mode
 from volviz.model.scene import Scene
+from volviz_ui.compare.fitting import fitted
+from volviz_ui.compare.settings_match import match_second
+from volviz_ui.panels.technique_box import counterparts, current_technique
 
 if TYPE_CHECKING:
     from volviz_ui.main_window import MainWindow
@@ -19,19 +23,62 @@ class CompareCommands(QObject):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
+        self._window = window
         self._store = window.store
 
     def set_view_count(self, count: int) -> None:
         """Show one, two or four views; new ones begin as the active one is."""
         if count != len(self._store.scene.views):
-            self._store.update(
+            self._change_views(
                 lambda scene: scene.with_view_count(count),
-                label=self.tr("One view") if count == 1 else self.tr("%1 views").replace("%1", str(count)),
+                self.tr("One view") if count == 1 else self.tr("%1 views").replace("%1", str(count)),
             )
 
+    def _change_views(self, change: Any, label: str) -> None:
+        """Have other views; what was seen whole is not cut off by narrower ones."""
+        before = self._window.viewport.aspect
+        self._store.update(change, label=label)
+        volume, layer = self._window.documents.volume, self._store.scene.layer
+        camera = self._store.scene.view.camera
+        if volume is None or layer is None or camera is None:
+            return
+        points = visible_points(volume, layer.transfer_function)
+        farther = fitted(camera, points, before, self._window.viewport.aspect)
+        if farther != camera:
+            self._window.display.show_camera(farther)
+
     def split(self, on: bool) -> None:
-        """Two views, or the first one alone again."""
+        """Two views and the panel that compares them, or the first view alone again."""
         self.set_view_count(2 if on else 1)
+        if on:
+            self.show_panel()
+
+    def show_panel(self) -> None:
+        """Bring the Compare panel to the front."""
+        dock, data = self._window.compare_dock, self._window.docks[0]
+        if not dock.isVisible() and not dock.isFloating():
+            self._window.tabifyDockWidget(data, dock)
+        dock.show()
+        dock.raise_()
+
+    def compare_with_vtk(self) -> None:
+        """Put VTK's counterpart with the same settings beside the active view."""
+        scene = self._store.scene
+        info = current_technique(scene)
+        other = next((c for c in counterparts() if info.id in c.counterpart_of), None)
+        if other is None:
+            self._window.status_line.showMessage(
+                self.tr("VTK has nothing like %1").replace("%1", info.label), 5000
+            )
+            return
+
+        def beside(scene: Scene) -> Scene:
+            view = scene.view
+            changed = replace(scene, views=(view, replace(view, technique=other.id)), active=0)
+            return match_second(changed, 0, 1)
+
+        self._change_views(beside, self.tr("Compare with VTK"))
+        self.show_panel()
 
     def activate_next(self) -> None:
         """Let panels and keys act on the next view."""

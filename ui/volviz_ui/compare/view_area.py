@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from PySide6.QtCore import QPointF, QTimer, Signal
 from PySide6.QtGui import QImage, QPainter, QPaintEvent, QPalette, QResizeEvent
@@ -48,6 +49,8 @@ class ViewArea(QWidget):
     function_dragged = Signal(float, float)
     function_drag_ended = Signal(bool)
     laid_out = Signal()
+    pair_completed = Signal()
+    """Both pictures of the compared pair are complete, and other ones than the last time."""
 
     def __init__(
         self, store: Store, documents: Documents, add_volume: AddVolume, parent: QWidget | None = None
@@ -65,6 +68,7 @@ class ViewArea(QWidget):
         self._ray_mark: tuple[float, float] | None = None
         self._closed = False
         self.panes: list[Pane] = []
+        self._completed: list[Any] = [None, None]
         self.arrangement = Arrangement(self)
         self.arrangement.divider_moved.connect(self._on_divider_moved)
         self._rest = QTimer(self)
@@ -211,13 +215,19 @@ class ViewArea(QWidget):
 
     def _on_rest(self) -> None:
         """A frame was drawn: perhaps it was the last one before all pictures are complete."""
-        if self._closed or len(self.panes) < 2 or not self.is_complete:
+        pair = self.arrangement.pair
+        if self._closed or pair is None or not self.is_complete:
             return
-        pictures = self.pair_pictures()
-        if pictures is None:
-            return
-        if self.arrangement.difference.isVisible() and not self.arrangement.difference.is_exact:
-            self.arrangement.difference.set_complete(*pictures)
+        difference = self.arrangement.difference
+        if difference.isVisible() and not difference.is_exact:
+            pictures = self.pair_pictures()
+            if pictures is not None:
+                difference.set_complete(*pictures)
+        # the host makes another status for every picture that it draws, and none for showing it again
+        statuses = [pane.display.status for pane in pair]
+        if any(now is not before for now, before in zip(statuses, self._completed, strict=True)):
+            self._completed = statuses
+            self.pair_completed.emit()
 
     def pair_pictures(self) -> tuple[Bytes, Bytes] | None:
         """The complete pictures of the compared pair, shape (H, W, 3), as they would be exported.

@@ -64,7 +64,7 @@ class TechniqueBox(CalmComboBox):
         self.setItemDelegate(_TwoLines(self))
         self.setMaxVisibleItems(14)
         self.setAccessibleName(self.tr("Technique"))
-        for number, info in enumerate(drawing_techniques(), start=1):
+        for number, info in enumerate([*drawing_techniques(), *counterparts()], start=1):
             key = f"  ({number})" if number <= 9 else ""
             self.addItem(info.label, info.id)
             self.setItemData(self.count() - 1, info.summary, SUMMARY)
@@ -92,8 +92,13 @@ class TechniqueBox(CalmComboBox):
 
 
 def drawing_techniques() -> list[TechniqueInfo]:
-    """The techniques that draw in the viewport, in the order of the list; VTK's own are for comparison."""
-    return [info for info in techniques().values() if info.kind == "image"]
+    """Our own techniques, in the order of the list; VTK's are there for comparison."""
+    return [info for info in techniques().values() if not info.counterpart_of]
+
+
+def counterparts() -> list[TechniqueInfo]:
+    """The techniques that are meant to be looked at beside ours: VTK's own mappers, the reference."""
+    return [info for info in techniques().values() if info.counterpart_of]
 
 
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:

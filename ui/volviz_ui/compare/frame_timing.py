@@ -1,0 +1,91 @@
+"""Frame times of two views, taken in turn, a piece at every turn of the event loop."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from volviz.compare.timing import FrameTimes
+from volviz_ui.display import Display
+
+ROUNDS = 5
+BUDGET_SECONDS = 0.03
+
+
+class FrameTiming(QObject):
+    """Draws the full pictures of two views several times over and adds up what their pieces take.
+
+    The picture that is shown stays; a drag or a change of the scene ends the measurement.
+    """
+
+    progressed = Signal(float)
+    finished = Signal(object)
+    """Two `FrameTimes`, or None when it was broken off."""
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._displays: tuple[Display, Display] | None = None
+        self._seconds: tuple[list[float], list[float]] = ([], [])
+        self._order: list[int] = []
+        self._begun = False
+        self._total = 1
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(0)
+        self._timer.timeout.connect(self._turn)
+
+    @property
+    def is_running(self) -> bool:
+        """Whether times are being taken."""
+        return self._displays is not None
+
+    def start(self, first: Display, second: Display, rounds: int = ROUNDS) -> None:
+        """Measure `rounds` full pictures of each side, the order of the sides turned round every time."""
+        self.cancel()
+        self._displays = (first, second)
+        self._seconds = ([], [])
+        self._order = [side for turn in range(rounds) for side in ((0, 1) if turn % 2 == 0 else (1, 0))]
+        self._total = len(self._order)
+        self._begun = False
+        for display in self._displays:
+            display.pacer.hold()
+        self._timer.start()
+
+    def cancel(self) -> None:
+        """Break off."""
+        if self._displays is not None:
+            self._end()
+            self.finished.emit(None)
+
+    def _end(self) -> None:
+        self._timer.stop()
+        displays, self._displays = self._displays, None
+        for display in displays or ():
+            display.pacer.release()
+            display.show_picture()
+
+    def _turn(self) -> None:
+        if self._displays is None:
+            return
+        display = self._displays[self._order[0]]
+        handle = display.handle
+        if handle is None or handle.error is not None or display.in_gesture:
+            self.cancel()
+            return
+        if not self._begun:
+            # the same values again: the picture at hand no longer counts as theirs
+            handle.update()
+            self._begun = True
+        done = handle.refine(budget=BUDGET_SECONDS)
+        if done and handle.status.complete:
+            self._seconds[self._order.pop(0)].append(handle.status.seconds)
+            self._begun = False
+            self.progressed.emit(1 - len(self._order) / self._total)
+        if self._order:
+            self._timer.start()
+            return
+        times = tuple(
+            FrameTimes(display.handle.technique.id, tuple(seconds))
+            for display, seconds in zip(self._displays, self._seconds, strict=True)
+        )
+        self._end()
+        self.finished.emit(times)

@@ -1,0 +1,133 @@
+"""How two views are laid over each other: mode, and what belongs to it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QCheckBox, QLabel, QWidget
+
+from volviz.model.comparison import LIMITS, PERIODS, Comparison
+from volviz.model.scene import Store
+from volviz_ui.binding import show_value
+from volviz_ui.editors.number import NumberField
+from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.panels.panel import Section
+
+if TYPE_CHECKING:
+    from volviz_ui.compare.commands import CompareCommands
+
+FIRST_LIMIT = 16.0
+
+
+class LookSection(Section):
+    """Shows and changes the `Comparison` of the scene."""
+
+    def __init__(self, title: str, store: Store, commands: CompareCommands, parent: QWidget) -> None:
+        super().__init__(title, parent=parent)
+        self._commands = commands
+        self._rows: dict[str, tuple[QLabel, QWidget]] = {}
+        self.mode = self._choice(
+            "mode",
+            self.tr("Mode"),
+            self.tr("How the views are looked at together (F6 to F9)"),
+            [
+                ("side_by_side", self.tr("Side by side")),
+                ("wipe", self.tr("Wipe")),
+                ("blink", self.tr("Blink")),
+                ("difference", self.tr("Difference")),
+            ],
+        )
+        self.period = NumberField(parent=self)
+        self.period.setRange(*PERIODS)
+        self.period.setSingleStep(0.1)
+        self.period.setSuffix(self.tr(" s"))
+        self.period.setToolTip(self.tr("How long one picture stays before it blinks to the other"))
+        self.period.setAccessibleName(self.tr("Period"))
+        self.period.valueChanged.connect(lambda value: self._commands.change(period=value))
+        self._rows["period"] = (self.add_row(self.tr("Period"), self.period), self.period)
+        self.map = self._choice(
+            "map",
+            self.tr("Show"),
+            self.tr(
+                "What the difference shows: second view minus first, its size, or how alike the structure is"
+            ),
+            [
+                ("signed", self.tr("Signed difference")),
+                ("absolute", self.tr("Absolute difference")),
+                ("ssim", self.tr("Structural similarity")),
+            ],
+        )
+        self.channel = self._choice(
+            "channel",
+            self.tr("Of"),
+            self.tr("Brightness, all three channels, or one of them"),
+            [
+                ("luminance", self.tr("Luminance")),
+                ("rgb", self.tr("Red, green and blue")),
+                ("red", self.tr("Red")),
+                ("green", self.tr("Green")),
+                ("blue", self.tr("Blue")),
+            ],
+        )
+        self.automatic = QCheckBox(self.tr("Scale by the largest"), self)
+        self.automatic.setToolTip(
+            self.tr("Let the strongest colour stand for the largest difference there is")
+        )
+        self.automatic.setAccessibleName(self.automatic.text())
+        self.automatic.toggled.connect(
+            lambda on: self._commands.change(limit=None if on else self.limit.value())
+        )
+        self.add_wide(self.automatic)
+        self.limit = NumberField(parent=self)
+        self.limit.setRange(*LIMITS)
+        self.limit.setValue(FIRST_LIMIT)
+        self.limit.setToolTip(self.tr("Difference in levels of 0 to 255 that gets the strongest colour"))
+        self.limit.setAccessibleName(self.tr("Scale"))
+        self.limit.valueChanged.connect(self._on_limit_changed)
+        self._rows["limit"] = (self.add_row(self.tr("Scale"), self.limit), self.limit)
+        show_value(store, lambda scene: scene.comparison, self.show_comparison)
+
+    def show_comparison(self, comparison: Comparison) -> None:
+        """Show how views are compared."""
+        for box, value in (
+            (self.mode, comparison.mode),
+            (self.map, comparison.map),
+            (self.channel, comparison.channel),
+        ):
+            box.setCurrentIndex(box.findData(value))
+        widgets = (self.period, self.automatic, self.limit)
+        blockers = [QSignalBlocker(widget) for widget in widgets]
+        self.period.setValue(comparison.period)
+        self.automatic.setChecked(comparison.limit is None)
+        if comparison.limit is not None:
+            self.limit.setValue(comparison.limit)
+        for blocker in blockers:
+            blocker.unblock()
+        difference = comparison.mode == "difference"
+        levels = difference and comparison.map != "ssim"
+        self._show("period", comparison.mode == "blink")
+        self._show("map", difference)
+        self._show("channel", levels)
+        self.automatic.setVisible(levels)
+        self._show("limit", levels and comparison.limit is not None)
+
+    def _on_limit_changed(self, value: float) -> None:
+        self._commands.change(limit=value)
+
+    def _choice(self, name: str, label: str, tooltip: str, entries: list[tuple[str, str]]) -> CalmComboBox:
+        box = CalmComboBox(self)
+        box.setToolTip(tooltip)
+        box.setAccessibleName(label)
+        for value, words in entries:
+            box.addItem(words, value)
+        if name == "mode":
+            box.activated.connect(lambda index: self._commands.set_mode(box.itemData(index)))
+        else:
+            box.activated.connect(lambda index: self._commands.change(**{name: box.itemData(index)}))
+        self._rows[name] = (self.add_row(label, box), box)
+        return box
+
+    def _show(self, name: str, shown: bool) -> None:
+        for part in self._rows[name]:
+            part.setVisible(shown)

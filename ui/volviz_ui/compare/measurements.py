@@ -1,0 +1,183 @@
+"""Between the views and the Compare panel: measures the compared pair whenever it is complete."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QObject, QTimer
+
+from volviz.errors import Cancelled
+from volviz.model.scene import Scene, Store
+from volviz.model.volume import Volume
+from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
+from volviz_ui.compare.frame_timing import FrameTiming
+from volviz_ui.compare.panel import ComparePanel
+from volviz_ui.compare.settings_match import match_second, setting_differences
+from volviz_ui.compare.view_area import ViewArea
+from volviz_ui.documents import Documents
+from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.workers import Task, Workers
+
+DELAY_MS = 150
+"""The pair must have rested for so long before anything is measured."""
+
+
+class Measurements(QObject):
+    """Measures on a worker while somebody looks at the figures, and takes times when asked."""
+
+    def __init__(
+        self,
+        store: Store,
+        documents: Documents,
+        views: ViewArea,
+        workers: Workers,
+        panel: ComparePanel,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._documents = documents
+        self._views = views
+        self._workers = workers
+        self._panel = panel
+        self._meshes = MeshStore()
+        self._task: Task | None = None
+        self.figures: PairFigures | None = None
+        self.timing = FrameTiming(self)
+        self.timing.progressed.connect(panel.show_timing)
+        self.timing.finished.connect(self._on_timed)
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(DELAY_MS)
+        self._timer.timeout.connect(self._measure)
+        views.pair_completed.connect(self._on_pair_completed)
+        panel.visibility_changed.connect(self._on_visibility_changed)
+        panel.timing_wanted.connect(self._on_timing_wanted)
+        panel.match_wanted.connect(self._on_match_wanted)
+        documents.volume_changed.connect(self._on_volume_changed)
+        store.changed.connect(self._on_scene_changed)
+        self._show_pair(store.scene)
+
+    @property
+    def _wanted(self) -> bool:
+        """Whether anybody looks at figures, or at the map of similarity."""
+        comparison = self._store.scene.comparison
+        similarity = comparison.mode == "difference" and comparison.map == "ssim"
+        return len(self._store.scene.views) > 1 and (self._panel.isVisible() or similarity)
+
+    # ------------------------------------------------------------------ pictures and meshes
+
+    def _on_pair_completed(self) -> None:
+        self.figures = None
+        if self._wanted:
+            self._timer.start()
+
+    def _on_visibility_changed(self) -> None:
+        if self._wanted and self.figures is None:
+            self._timer.start()
+
+    def _measure(self) -> None:
+        pair = self._views.arrangement.pair
+        volume, scene = self._documents.volume, self._store.scene
+        pictures = self._views.pair_pictures()
+        if pair is None or volume is None or pictures is None or scene.view.camera is None:
+            return
+        if pictures[0].shape != pictures[1].shape:
+            return
+        sides = [
+            Side(current_technique(scene, pane.view).id, current_settings(scene, pane.view), picture)
+            for pane, picture in zip(pair, pictures, strict=True)
+        ]
+        camera, clipping, meshes = scene.view.camera, scene.clipping, self._meshes
+
+        def work(task: Task) -> PairFigures:
+            def check() -> None:
+                if task.is_cancelled:
+                    raise Cancelled("The measurement was cancelled.")
+
+            return pair_figures((sides[0], sides[1]), volume, camera, clipping, meshes, check)
+
+        self._panel.show_state(self.tr("Measuring…"))
+        task = self._workers.start(work, label=self.tr("Measure"), key="compare")
+        task.succeeded.connect(self._on_measured)
+        task.failed.connect(self._on_failed)
+
+    def _on_measured(self, figures: PairFigures) -> None:
+        self.figures = figures
+        self._panel.show_figures(figures)
+        self._views.arrangement.difference.set_similarity(figures.similarity)
+
+    def _on_failed(self, error: BaseException) -> None:
+        self._panel.show_nothing(str(error))
+
+    # ------------------------------------------------------------------ frame times
+
+    def _on_timing_wanted(self) -> None:
+        if self.timing.is_running:
+            self.timing.cancel()
+            return
+        pair = self._views.arrangement.pair
+        if pair is not None and self._views.is_complete:
+            self._panel.show_timing(0.0)
+            self.timing.start(pair[0].display, pair[1].display)
+
+    def _on_timed(self, times: Any) -> None:
+        self._panel.show_timing(None)
+        if times is not None:
+            self._panel.show_times(times)
+
+    # ------------------------------------------------------------------ settings
+
+    def _on_match_wanted(self) -> None:
+        pair = self._views.arrangement.pair
+        if pair is not None:
+            second = pair[1].view
+            self._store.update(lambda scene: match_second(scene, 0, second), label=self.tr("Match settings"))
+
+    # ------------------------------------------------------------------ what changes
+
+    def _on_volume_changed(self, _volume: Volume | None) -> None:
+        self._meshes.clear()
+        self._forget()
+
+    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
+        if _drawn(old) != _drawn(new):
+            self._forget()
+        if (old.views, old.active_index) != (new.views, new.active_index):
+            self._show_pair(new)
+        if old.comparison != new.comparison and self._wanted and self.figures is None:
+            self._timer.start()
+
+    def _forget(self) -> None:
+        """What was measured no longer holds."""
+        self.timing.cancel()
+        self._workers.cancel("compare")
+        self._timer.stop()
+        self.figures = None
+        self._panel.show_times(None)
+
+    def _show_pair(self, scene: Scene) -> None:
+        pair = self._views.arrangement.pair
+        several = len(scene.views) > 1 and pair is not None
+        for button in (self._panel.time_button, self._panel.match_button):
+            button.setEnabled(several)
+        if pair is None or not several:
+            self._panel.show_nothing(self.tr("Split the view to compare: Compare, Two views (Ctrl+2)."))
+            self._panel.show_differences([])
+            return
+        first, second = (current_technique(scene, pane.view) for pane in pair)
+        self._panel.show_names(first.label, second.label)
+        self._panel.show_differences(setting_differences(scene, pair[0].view, pair[1].view))
+
+    def close(self) -> None:
+        """Stop measuring: the window closes."""
+        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._timer.stop()
+        self.timing.cancel()
+        self._workers.cancel("compare")
+
+
+def _drawn(scene: Scene) -> Any:
+    """What decides the pictures."""
+    views = [(v.technique, v.settings, v.camera) for v in scene.views]
+    return views, scene.layers, scene.light, scene.clipping, scene.background

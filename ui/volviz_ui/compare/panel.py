@@ -1,0 +1,232 @@
+"""The Compare dock: how views are compared, and what is measured of them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Signal
+from PySide6.QtGui import QHideEvent, QShowEvent
+from PySide6.QtWidgets import QPushButton, QWidget
+
+from volviz.compare.timing import FrameTimes, ratio
+from volviz.model.scene import Store
+from volviz_ui.compare.figure_table import FigureTable
+from volviz_ui.compare.figures import PairFigures
+from volviz_ui.compare.look_section import LookSection
+from volviz_ui.panels.panel import Panel, Section, quiet_label
+
+if TYPE_CHECKING:
+    from volviz_ui.compare.commands import CompareCommands
+
+NARROW = "\N{NARROW NO-BREAK SPACE}"
+
+
+class ComparePanel(Panel):
+    """Shows figures of the first view and its counterpart."""
+
+    visibility_changed = Signal()
+    timing_wanted = Signal()
+    match_wanted = Signal()
+
+    def __init__(self, store: Store, commands: CompareCommands, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.look = LookSection(self.tr("Views"), store, commands, self)
+        self.state = quiet_label("", self)
+        self.state.setWordWrap(True)
+        self.pictures = self._pictures()
+        self.sides = self._sides()
+        self.time_button = QPushButton(self.tr("Measure frame times"), self)
+        self.time_button.setToolTip(
+            self.tr("Draw both pictures in full quality five times, in turn, without changing anything")
+        )
+        self.time_button.clicked.connect(self.timing_wanted)
+        self.time_ratio = quiet_label("", self)
+        self.time_ratio.setWordWrap(True)
+        self.meshes = self._meshes()
+        self.words = quiet_label("", self)
+        self.words.setWordWrap(True)
+        self.words.setToolTip(self.tr("What the two views do differently"))
+        self.match_button = QPushButton(self.tr("Match settings"), self)
+        self.match_button.setToolTip(
+            self.tr("Give the second view the settings of the first wherever both have them")
+        )
+        self.match_button.clicked.connect(self.match_wanted)
+
+        pictures = Section(self.tr("Pictures"), parent=self)
+        pictures.add_wide(self.pictures)
+        pictures.add_wide(self.state)
+        sides = Section(self.tr("Times and samples"), parent=self)
+        sides.add_wide(self.sides)
+        sides.add_wide(self.time_ratio)
+        sides.add_wide(self.time_button)
+        self.mesh_section = Section(self.tr("Meshes"), parent=self)
+        self.mesh_section.add_wide(self.meshes)
+        settings = Section(self.tr("Differences in settings"), parent=self)
+        settings.add_wide(self.words)
+        settings.add_wide(self.match_button)
+        self.sections = {"pictures": pictures, "sides": sides, "settings": settings}
+        for section in (self.look, pictures, sides, self.mesh_section, settings):
+            self.add(section)
+        self.show_nothing("")
+
+    # ------------------------------------------------------------------ tables
+
+    def _pictures(self) -> FigureTable:
+        tr = self.tr
+        return FigureTable(
+            [
+                ("psnr", tr("PSNR"), tr("Peak signal-to-noise ratio; infinite for equal pictures")),
+                (
+                    "ssim",
+                    tr("SSIM"),
+                    tr("Mean structural similarity (7 × 7 pixels); 1 for equal pictures"),
+                ),
+                ("mean", tr("Mean difference"), tr("Over all pixels and channels, in levels of 0 to 255")),
+                ("max", tr("Largest difference"), tr("In levels of 0 to 255, and where: column, row")),
+                ("visible", tr("Pixels that differ"), tr("By more than two levels in one of the channels")),
+            ],
+            columns=1,
+            parent=self,
+        )
+
+    def _sides(self) -> FigureTable:
+        tr = self.tr
+        return FigureTable(
+            [
+                ("time", tr("Frame time"), tr("Median of full pictures of this size, drawn in turn")),
+                ("spread", tr("Spread"), tr("Distance of the quartiles as a part of the median")),
+                ("samples", tr("Samples per ray"), tr("Mean of rays through the volume, by its box and the step")),
+                ("longest", tr("Longest ray"), tr("Samples of the ray that takes the most")),
+            ],
+            columns=2,
+            parent=self,
+        )  # fmt: skip
+
+    def _meshes(self) -> FigureTable:
+        tr = self.tr
+        return FigureTable(
+            [
+                ("faces", tr("Triangles"), tr("After vertices at one place have been merged")),
+                ("vertices", tr("Vertices"), tr("Those that a triangle uses")),
+                ("area", tr("Area"), tr("In squared units of the world")),
+                ("volume", tr("Volume"), tr("That the surface encloses, in cubic units of the world")),
+                ("euler", tr("Euler number"), tr("Vertices − edges + triangles: 2 for a ball")),
+                ("open", tr("Open edges"), tr("Edges of one triangle only")),
+                ("parts", tr("Parts"), tr("Connected parts")),
+                ("hausdorff", tr("Hausdorff"), tr("Largest distance from the one surface to the other, and back")),
+            ],
+            columns=2,
+            parent=self,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------------ showing
+
+    def show_nothing(self, words: str) -> None:
+        """There is nothing to compare, and why."""
+        self.pictures.clear()
+        self.sides.clear()
+        self.meshes.clear()
+        self.state.setText(words)
+        self.state.setVisible(bool(words))
+        self.time_ratio.setText("")
+        self.time_ratio.hide()
+        self.mesh_section.hide()
+
+    def show_state(self, words: str) -> None:
+        """What is being done, or empty."""
+        self.state.setText(words)
+        self.state.setVisible(bool(words))
+
+    def show_names(self, first: str, second: str) -> None:
+        """Name the sides."""
+        for table in (self.sides, self.meshes):
+            table.set_heads(first, second)
+
+    def show_figures(self, figures: PairFigures) -> None:
+        """Show what was measured of the complete pictures."""
+        p = figures.pictures
+        column, row = p.max_position
+        self.pictures.set_row(
+            "psnr", f"\N{INFINITY}{NARROW}dB" if math.isinf(p.psnr) else f"{p.psnr:.2f}{NARROW}dB"
+        )
+        self.pictures.set_row("ssim", f"{p.ssim:.5f}")
+        self.pictures.set_row("mean", f"{p.mean_difference:.3f}")
+        place = f"  ({column}, {row})" if p.max_difference else ""
+        self.pictures.set_row("max", f"{p.max_difference:.0f}{place}")
+        self.pictures.set_row("visible", f"{100 * p.visible_share:.2f}{NARROW}%")
+        samples = figures.samples
+        self.sides.set_row("samples", *(None if s is None else f"{s.mean:.1f}" for s in samples))
+        self.sides.set_row("longest", *(None if s is None else f"{s.maximum:.0f}" for s in samples))
+        self._show_meshes(figures)
+        self.show_state("")
+
+    def _show_meshes(self, figures: PairFigures) -> None:
+        self.mesh_section.setVisible(any(mesh is not None for mesh in figures.meshes))
+
+        def row(key: str, form: str, read: str) -> None:
+            self.meshes.set_row(
+                key,
+                *(
+                    None if m is None else format(getattr(m, read), form).replace(",", NARROW)
+                    for m in figures.meshes
+                ),
+            )
+
+        row("faces", ",d", "faces")
+        row("vertices", ",d", "vertices")
+        row("area", ".6g", "area")
+        row("volume", ".6g", "volume")
+        row("euler", "d", "euler_characteristic")
+        row("open", ",d", "boundary_edges")
+        row("parts", ",d", "components")
+        distance = figures.distance
+        self.meshes.set_row(
+            "hausdorff",
+            None if distance is None else f"{distance.forward:.4g}",
+            None if distance is None else f"{distance.backward:.4g}",
+        )
+
+    def show_times(self, times: tuple[FrameTimes, FrameTimes] | None) -> None:
+        """Show frame times, or none."""
+        if times is None:
+            self.sides.set_row("time", None, None)
+            self.sides.set_row("spread", None, None)
+            self.time_ratio.hide()
+            return
+        self.sides.set_row("time", *(f"{1000 * t.median:.0f}{NARROW}ms" for t in times))
+        self.sides.set_row("spread", *(f"{100 * t.spread:.0f}{NARROW}%" for t in times))
+        factor = ratio(times[1], times[0])
+        self.time_ratio.setText(
+            self.tr("The second takes %1 times as long as the first (quartiles %2 to %3).")
+            .replace("%1", f"{factor.median:.2f}")
+            .replace("%2", f"{factor.low:.2f}")
+            .replace("%3", f"{factor.high:.2f}")
+        )
+        self.time_ratio.show()
+
+    def show_timing(self, fraction: float | None) -> None:
+        """How far the measurement of times is, None when there is none."""
+        running = fraction is not None
+        self.time_button.setText(
+            self.tr("Stop (%1 %)").replace("%1", f"{100 * fraction:.0f}")
+            if fraction is not None
+            else self.tr("Measure frame times")
+        )
+        self.time_button.setProperty("running", running)
+
+    def show_differences(self, sentences: list[str]) -> None:
+        """Say what both views do differently."""
+        self.words.setText("\n".join(f"\N{BULLET} {s}" for s in sentences) or self.tr("None that is known."))
+
+    # ------------------------------------------------------------------ whether anybody looks
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Somebody looks: measure."""
+        super().showEvent(event)
+        self.visibility_changed.emit()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Nobody looks: measure nothing."""
+        super().hideEvent(event)
+        self.visibility_changed.emit()
