@@ -18,7 +18,7 @@ import trimesh
 import volviz
 from tests.render.scenes import POINTS, blobs
 from volviz.cli import main
-from volviz.compare.matching import side_names
+from volviz.compare.matching import match_sides, side_names
 from volviz.compare.report import csv_report, html_report, json_report, save_report
 from volviz.compare.results import Comparison, picture_pairs
 from volviz.compare.run import ComparisonRun, Side, compare
@@ -353,3 +353,19 @@ def test_a_suite_on_one_file_compares_every_group(
     assert len(data) == len(suite_groups())
     assert set(names_of(data)) == {"small"}
     assert f"{len(data)} comparisons" in capsys.readouterr().out
+
+
+def test_sides_are_matched_unless_they_shall_not_be() -> None:
+    sides = [("raycast", {"step": 1.0}), ("vtk_gpu", {}), ("slicing", {"first_sample": 0.5})]
+    matched = [side.settings for side in match_sides(sides)]
+    assert (matched[0].step, matched[0].first_sample) == (1.0, 1.0)
+    assert matched[1].step == 1.0
+    # what is given for a side stays
+    assert matched[2].first_sample == 0.5
+    left = [side.settings for side in match_sides(sides, matched=False)]
+    assert (left[0].first_sample, left[1].step) == (0.5, 0.5)
+
+
+def test_our_ray_caster_and_vtks_agree_to_45_decibels() -> None:
+    found = compare(make_view(size=(160, 120)), [Side("raycast"), Side("vtk_gpu")], frames=0)
+    assert found.pairs[0].metrics.psnr > 45

@@ -11,6 +11,10 @@ from volviz.model.parameters import make_settings
 
 if TYPE_CHECKING:
     from volviz.compare.results import SideResult
+    from volviz.custom_gl.technique import TechniqueInfo
+
+#: VTK's ray casters that take their samples at the far ends of whole steps.
+ENDS_OF_STEPS = ("vtk_gpu",)
 
 
 @dataclass(frozen=True)
@@ -53,11 +57,32 @@ def match_sides(sides: Sequence[tuple[str, Mapping[str, Any]]], *, matched: bool
         An unknown technique, or settings that do not fit it.
     """
     names = side_names([technique for technique, _ in sides])
+    infos = [technique_info(technique) for technique, _ in sides]
     made = []
-    for name, (technique, values) in zip(names, sides, strict=True):
-        settings = make_settings(technique_info(technique).settings, values, owner=technique)
-        made.append(MatchedSide(name, technique, settings, dict(values)))
+    for name, info, (_, values) in zip(names, infos, sides, strict=True):
+        added = _added(info, values, sides, infos) if matched else {}
+        settings = make_settings(info.settings, added | dict(values), owner=info.id)
+        made.append(MatchedSide(name, info.id, settings, dict(values)))
     return made
+
+
+def _added(
+    info: TechniqueInfo,
+    values: Mapping[str, Any],
+    sides: Sequence[tuple[str, Mapping[str, Any]]],
+    infos: Sequence[TechniqueInfo],
+) -> dict[str, Any]:
+    """What one side takes over from the others: VTK's the settings of ours, ours VTK's place of the first sample."""
+    known = {p.name for p in info.parameters}
+    added: dict[str, Any] = {}
+    for other, (_, given) in zip(infos, sides, strict=True):
+        if other.id in info.counterpart_of:
+            added = {name: value for name, value in given.items() if name in known and name not in values}
+            break
+    samples_at_ends = any(other.id in ENDS_OF_STEPS for other in infos)
+    if samples_at_ends and "first_sample" in known and info.id not in ENDS_OF_STEPS:
+        added["first_sample"] = 1.0
+    return added
 
 
 def side_names(techniques: Sequence[str]) -> list[str]:

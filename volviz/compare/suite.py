@@ -22,18 +22,13 @@ def suite_groups() -> list[list[TechniqueInfo]]:
     known = techniques()
     groups: list[list[str]] = [[ident for ident in group if ident in known] for group in ALIKE]
     placed = {ident for group in groups for ident in group}
-    groups += [[ident] for ident, info in known.items() if ident not in placed and not counterparts(info)]
+    groups += [[ident] for ident, info in known.items() if ident not in placed and not info.counterpart_of]
     for ident, info in known.items():
-        theirs = counterparts(info)
+        theirs = info.counterpart_of
         for group in groups:
             if ident not in group and any(other in group for other in theirs):
                 group.append(ident)
     return [[known[ident] for ident in group] for group in groups if len(group) > 1]
-
-
-def counterparts(info: TechniqueInfo) -> tuple[str, ...]:
-    """Ids of our techniques for which a technique stands; empty for ours."""
-    return tuple(getattr(info, "counterpart_of", ()))
 
 
 def suite_volumes() -> Iterator[tuple[Volume, str | None]]:
