@@ -25,6 +25,7 @@ from volviz.compare.run import ComparisonRun, Side, compare
 from volviz.compare.samples import ray_samples
 from volviz.compare.stage import View
 from volviz.compare.suite import suite_groups
+from volviz.compare.vtk_contours import vtk_contour
 from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
 from volviz.framing import default_camera
@@ -369,3 +370,19 @@ def test_sides_are_matched_unless_they_shall_not_be() -> None:
 def test_our_ray_caster_and_vtks_agree_to_45_decibels() -> None:
     found = compare(make_view(size=(160, 120)), [Side("raycast"), Side("vtk_gpu")], frames=0)
     assert found.pairs[0].metrics.psnr > 45
+
+
+def test_figures_of_vtks_mesh_are_those_of_what_it_draws() -> None:
+    volume = make_view().volume
+    sides = [Side("marching_cubes"), Side("vtk_flying_edges"), Side("vtk_flying_edges", {"stride": 2})]
+    found = compare(make_view(), [Side(s.technique, {"isovalue": 0.5, **s.values}) for s in sides], frames=0)
+    ours, theirs, coarse = (side.mesh for side in found.sides)
+    assert ours is not None
+    assert theirs is not None
+    assert coarse is not None
+    assert theirs.vertices == ours.vertices
+    assert theirs.area == pytest.approx(ours.area, rel=0.01)
+    assert 0.2 < coarse.faces / theirs.faces < 0.3
+    # every second voxel of 19 x 18 x 17 spans the same box but for the last one of the even axis
+    expected = vtk_contour(volviz.Volume(volume.array[::2, ::2, ::2].copy(), spacing=(2.0, 2.2, 2.6)), 0.5)
+    assert coarse.faces == len(expected[1])

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 #: Pictures of a suite are many: small ones do.
 SIZE, SUITE_SIZE = "600x450", "320x240"
+#: Seconds for the frame times of one comparison of a suite.
+SUITE_SECONDS = 15.0
 #: Settings that --isovalue stands for, by technique whichever it has.
 ISOVALUES = ("isovalue", "isovalues")
 
@@ -287,7 +289,7 @@ def _suite_entry(
 
     work = ComparisonRun(
         view_of(volume, sides, options, preset), sides, frames=options.frames, matched=not options.unmatched,
-        convergence=options.convergence, command=command_line(options),
+        convergence=options.convergence, command=command_line(options), limit=SUITE_SECONDS,
     )  # fmt: skip
     with ProgressLine() as line:
         line.follow((fraction, f"{volume.name}: {words}") for fraction, words in work.steps())

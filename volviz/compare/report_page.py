@@ -143,7 +143,10 @@ def _pair(pair: PairResult) -> list[str]:
             f"Absolute difference of luminance, in levels of 255; the largest difference of a channel lies at pixel "
             f"{column}, {row}.{bar}",
         ),
-        _figure(pair.similarity, f"similarity of {name}", "Structural similarity: white is equal, black is unlike."),
+        _figure(
+            pair.similarity, f"similarity of {name}",
+            f"Structural similarity {pair.metrics.ssim:.5f}: white is equal, black is unlike.",
+        ),
         "</div>",
         _bullets(pair.differences) if pair.differences else '<p class="faint">All shared settings are equal.</p>',
     ]  # fmt: skip

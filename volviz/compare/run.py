@@ -24,7 +24,7 @@ from volviz.model.volume import Volume
 
 #: Techniques that are drawn once: an oracle has all the time in the world.
 UNTIMED = ("reference",)
-#: Seconds after which no further round of frame times begins.
+#: A minute is enough for any comparison, and some hours for a suite.
 TIMING_SECONDS = 60.0
 
 REMARKS = (
@@ -68,6 +68,8 @@ class ComparisonRun:
         Also draw each side at several steps or bisections.
     title, command : str
         For the report.
+    limit : float, default: 60.0
+        Seconds after which no further round of frame times begins, once there are three.
 
     Raises
     ------
@@ -85,14 +87,17 @@ class ComparisonRun:
         convergence: bool = False,
         title: str = "",
         command: str = "",
+        limit: float = TIMING_SECONDS,
     ) -> None:
         if len(sides) < 2:
             raise InputError(f"a comparison needs at least two techniques, got {len(sides)}.")
         self._view = view
         self._sides = match_sides([(side.technique, side.values) for side in sides], matched=matched)
         self._frames = frames
+        self._limit = limit
         self._convergence = convergence
-        self._title = title or " and ".join(side.name for side in self._sides) + f" on {view.volume.name}"
+        names = [side.name for side in self._sides]
+        self._title = title or f"{', '.join(names[:-1])} and {names[-1]} on {view.volume.name}"
         self._command = command
         self._meshes: dict[str, Mesh] = {}
         self.result: Comparison | None = None
@@ -115,7 +120,7 @@ class ComparisonRun:
             times: dict[str, FrameTimes] = {}
             timed = {name: s for name, s in stages.items() if results[name].technique not in UNTIMED}
             if self._frames and timed:
-                timer = stage_timer(timed, self._frames, limit=TIMING_SECONDS)
+                timer = stage_timer(timed, self._frames, limit=self._limit)
                 for fraction in timer.steps():
                     yield 0.3 + 0.3 * fraction, "taking frame times"
                 times = timer.times
