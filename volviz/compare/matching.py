@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from volviz.compare.match_vtk import are_counterparts, differences, follow, match
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.model.parameters import make_settings
 
 if TYPE_CHECKING:
     from volviz.compare.results import SideResult
     from volviz.custom_gl.technique import TechniqueInfo
-
-#: VTK's ray casters that take their samples at the far ends of whole steps.
-ENDS_OF_STEPS = ("vtk_gpu",)
+    from volviz.model.light import Light
 
 
 @dataclass(frozen=True)
@@ -42,14 +41,19 @@ class MatchedSide:
     differences: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
-def match_sides(sides: Sequence[tuple[str, Mapping[str, Any]]], *, matched: bool = True) -> list[MatchedSide]:
+def match_sides(
+    sides: Sequence[tuple[str, Mapping[str, Any]]], *, matched: bool = True, light: Light | None = None
+) -> list[MatchedSide]:
     """Final settings of all sides.
 
     Parameters
     ----------
     sides : sequence of (technique id, settings by name)
     matched : bool, default: True
-        Bring sides that stand for one another to the same settings; off, each keeps its defaults.
+        Bring sides that stand for one another to the same settings; off, each keeps its defaults. VTK's take those of
+        the first of ours; where VTK's can do a thing in one way only, ours follow. What was given for a side stays.
+    light : Light, optional
+        The light of the scene, for the words; without it, it sits at the eye.
 
     Raises
     ------
@@ -58,12 +62,12 @@ def match_sides(sides: Sequence[tuple[str, Mapping[str, Any]]], *, matched: bool
     """
     names = side_names([technique for technique, _ in sides])
     infos = [technique_info(technique) for technique, _ in sides]
-    made = []
+    made: list[MatchedSide] = []
     for name, info, (_, values) in zip(names, infos, sides, strict=True):
         added = _added(info, values, sides, infos) if matched else {}
         settings = make_settings(info.settings, added | dict(values), owner=info.id)
         made.append(MatchedSide(name, info.id, settings, dict(values)))
-    return made
+    return [replace(side, differences=_words(side, made, light)) for side in made]
 
 
 def _added(
@@ -72,17 +76,39 @@ def _added(
     sides: Sequence[tuple[str, Mapping[str, Any]]],
     infos: Sequence[TechniqueInfo],
 ) -> dict[str, Any]:
-    """What one side takes over from the others: VTK's the settings of ours, ours VTK's place of the first sample."""
-    known = {p.name for p in info.parameters}
+    """What one side takes over from the others: VTK's the settings of ours, ours what VTK can in one way only."""
     added: dict[str, Any] = {}
     for other, (_, given) in zip(infos, sides, strict=True):
         if other.id in info.counterpart_of:
-            added = {name: value for name, value in given.items() if name in known and name not in values}
+            followed = _with_what_is_fixed(other.id, given, infos)
+            settings, _ = match(other.id, make_settings(other.settings, followed, owner=other.id), info.id)
+            added = {p.name: getattr(settings, p.name) for p in info.parameters}
             break
-    samples_at_ends = any(other.id in ENDS_OF_STEPS for other in infos)
-    if samples_at_ends and "first_sample" in known and info.id not in ENDS_OF_STEPS:
-        added["first_sample"] = 1.0
-    return added
+    added = _with_what_is_fixed(info.id, added, infos)
+    return {name: value for name, value in added.items() if name not in values}
+
+
+def _with_what_is_fixed(
+    technique: str, values: Mapping[str, Any], infos: Sequence[TechniqueInfo]
+) -> dict[str, Any]:
+    """What was given for a technique, over what other sides can do in one way only."""
+    followed: dict[str, Any] = {}
+    for other in infos:
+        if are_counterparts(other.id, technique):
+            followed = follow(technique, followed, other.id)
+    return followed | dict(values)
+
+
+def _words(
+    side: MatchedSide, sides: Sequence[MatchedSide], light: Light | None
+) -> dict[str, tuple[str, ...]]:
+    return {
+        other.name: tuple(
+            differences(side.technique, side.settings, other.technique, other.settings, light=light)
+        )
+        for other in sides
+        if other is not side
+    }
 
 
 def side_names(techniques: Sequence[str]) -> list[str]:

@@ -92,7 +92,9 @@ class ComparisonRun:
         if len(sides) < 2:
             raise InputError(f"a comparison needs at least two techniques, got {len(sides)}.")
         self._view = view
-        self._sides = match_sides([(side.technique, side.values) for side in sides], matched=matched)
+        self._sides = match_sides(
+            [(side.technique, side.values) for side in sides], matched=matched, light=view.light
+        )
         self._frames = frames
         self._limit = limit
         self._convergence = convergence
