@@ -281,7 +281,7 @@ _RULES = (
     ),
     _Rule(
         ("vtk_normal_map",),
-        lambda _, other: other.get("surface") not in (None, "plane") or other.get("normal_source") not in (None, "data"),
+        lambda _, other: (other.get("surface"), other.get("normal_source")) not in ((None, None), ("plane", "data")),
         "{it} shows the relief of the data on the cut plane only.",
     ),
 )  # fmt: skip
