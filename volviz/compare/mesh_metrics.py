@@ -80,7 +80,7 @@ def mesh_metrics(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> MeshMetrics:
     """
     points, triangles = _checked(vertices, faces)
     _, uses, balance = edge_uses(triangles)
-    used = len(np.unique(triangles))
+    used = _count_used(triangles)
     return MeshMetrics(
         vertices=used,
         edges=len(uses),
@@ -113,19 +113,66 @@ def edge_uses(faces: npt.ArrayLike) -> tuple[Array, Array, Array]:
         Triangles that run from the lower to the higher vertex, minus those that run back; 0 where two
         triangles have the same outside.
     """
-    triangles = np.asarray(faces, np.int64)
-    start = triangles.ravel()
-    end = np.roll(triangles, -1, axis=1).ravel()
-    low, high = np.minimum(start, end), np.maximum(start, end)
-    count = int(high.max()) + 1 if len(high) else 1
-    order = np.argsort(low * count + high, kind="stable")
-    keys = (low * count + high)[order]
-    first = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]])) if len(keys) else np.empty(0, int)
-    uses = np.diff(np.append(first, len(keys)))
-    forward = np.where(start < end, 1, -1)[order]
-    balance = np.add.reduceat(forward, first) if len(first) else np.empty(0, np.int64)
-    edges = np.stack([keys[first] // count, keys[first] % count], axis=1)
-    return edges, uses, balance
+    triangles = np.ascontiguousarray(faces, np.int64)
+    vertices = int(triangles.max()) + 1 if len(triangles) else 0
+    starts = np.zeros(vertices + 1, np.int64)
+    ends = np.empty(3 * len(triangles), np.int64)
+    _collect_edges(triangles, starts, ends)
+    edges = np.empty((len(ends), 2), np.int64)
+    uses, balance = np.empty(len(ends), np.int64), np.empty(len(ends), np.int64)
+    count = _count_edges(starts, ends, edges, uses, balance)
+    return edges[:count].copy(), uses[:count].copy(), balance[:count].copy()
+
+
+@compiled
+def _collect_edges(faces: Array, starts: Array, ends: Array) -> None:
+    """Sort the sides of all triangles by their lower vertex.
+
+    Parameters
+    ----------
+    faces : ndarray of shape (F, 3), int64
+    starts : ndarray of shape (V + 1,), int64, zeros
+        Where the sides of each vertex begin in `ends`.
+    ends : ndarray of shape (3 F,), int64
+        Twice the higher vertex, plus 1 for triangles that run from the higher to the lower one.
+    """
+    for f in range(faces.shape[0]):
+        for i in range(3):
+            starts[min(faces[f, i], faces[f, (i + 1) % 3])] += 1
+    total = 0
+    for v in range(starts.size):
+        here = starts[v]
+        starts[v] = total
+        total += here
+    for f in range(faces.shape[0]):
+        for i in range(3):
+            a, b = faces[f, i], faces[f, (i + 1) % 3]
+            low, high = min(a, b), max(a, b)
+            ends[starts[low]] = 2 * high + (a >= b)
+            starts[low] += 1
+    for v in range(starts.size - 1, 0, -1):
+        starts[v] = starts[v - 1]
+    if starts.size:
+        starts[0] = 0
+
+
+@compiled
+def _count_edges(starts: Array, ends: Array, edges: Array, uses: Array, balance: Array) -> int:
+    """Run through the sides of every vertex in the order of their other end."""
+    count = 0
+    for v in range(starts.size - 1):
+        here = ends[starts[v] : starts[v + 1]]
+        here.sort()
+        last = -1
+        for side in here:
+            if side >> 1 != last:
+                last = side >> 1
+                edges[count, 0], edges[count, 1] = v, last
+                uses[count] = balance[count] = 0
+                count += 1
+            uses[count - 1] += 1
+            balance[count - 1] += 1 - 2 * (side & 1)
+    return count
 
 
 @compiled
@@ -169,7 +216,12 @@ def enclosed_volume(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> float:
 def euler_characteristic(faces: npt.ArrayLike) -> int:
     """Vertices - edges + faces of a mesh, counting only vertices that are used."""
     triangles = np.asarray(faces)
-    return len(np.unique(triangles)) - len(edge_uses(triangles)[0]) + len(triangles)
+    return _count_used(triangles) - len(edge_uses(triangles)[0]) + len(triangles)
+
+
+def _count_used(faces: Array) -> int:
+    """Number of vertices that belong to a triangle."""
+    return int(np.count_nonzero(np.bincount(faces.ravel()))) if faces.size else 0
 
 
 def _checked(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> tuple[Array, Array]:

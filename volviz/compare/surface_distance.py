@@ -95,10 +95,15 @@ def distances_to_surface(
     boxes = np.empty((2 * leaves, 2, 3))
     boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
     _build(corners, triangles, boxes, leaves)
-    result = np.empty(len(queries))
+    # neighbours are asked for one after the other: they go through the same boxes
+    order = _curve_order(queries) if len(queries) else np.empty(0, np.int64)
+    ordered = queries[order]
+    found = np.empty(len(queries))
     map_ranges(
-        lambda a, b: _search(queries[a:b], corners, triangles, boxes, leaves, result[a:b]), len(queries)
+        lambda a, b: _search(ordered[a:b], corners, triangles, boxes, leaves, found[a:b]), len(queries)
     )
+    result = np.empty(len(queries))
+    result[order] = found
     return result
 
 
@@ -156,9 +161,13 @@ def _search(queries: Array, vertices: Array, faces: Array, boxes: Array, leaves:
     count = faces.shape[0]
     nodes = np.empty(64, np.int64)
     reaches = np.empty(64, np.float64)
+    nearest = 0
     for q in range(queries.shape[0]):
         p = queries[q]
-        best = np.inf
+        # the triangle nearest to the query before is not far from this one either
+        best = _squared_to_triangle(
+            p, vertices[faces[nearest, 0]], vertices[faces[nearest, 1]], vertices[faces[nearest, 2]]
+        )
         nodes[0], reaches[0] = 1, 0.0
         open_nodes = 1
         while open_nodes > 0:
@@ -171,7 +180,9 @@ def _search(queries: Array, vertices: Array, faces: Array, boxes: Array, leaves:
                 leaf = node - leaves
                 for f in range(-(-leaf * count // leaves), -(-(leaf + 1) * count // leaves)):
                     a, b, c = vertices[faces[f, 0]], vertices[faces[f, 1]], vertices[faces[f, 2]]
-                    best = min(best, _squared_to_triangle(p, a, b, c))
+                    squared = _squared_to_triangle(p, a, b, c)
+                    if squared < best:
+                        best, nearest = squared, f
                 continue
             left, right = _squared_to_box(p, boxes[2 * node]), _squared_to_box(p, boxes[2 * node + 1])
             near_is_left = left <= right
