@@ -141,14 +141,19 @@ def _write(
     writer = _writer(mesh, path.suffix)
     writer.SetFileName(str(path))
     furthest = 0.0
+    errors: list[Exception] = []
 
     def told(_writer: Any, _event: str) -> None:
         nonlocal furthest
-        # some writers tell the end of each part as the end of all
-        if progress is not None and furthest < writer.GetProgress() < 1.0:
-            furthest = writer.GetProgress()
-            progress(furthest)
-        if cancel is not None and cancel():
+        try:
+            # some writers tell the end of each part as the end of all
+            if progress is not None and furthest < writer.GetProgress() < 1.0:
+                furthest = writer.GetProgress()
+                progress(furthest)
+            if cancel is not None and cancel():
+                writer.SetAbortExecute(True)
+        except Exception as error:  # noqa: BLE001 - VTK would print and swallow it
+            errors.append(error)
             writer.SetAbortExecute(True)
 
     observer = writer.AddObserver("ProgressEvent", told)
@@ -156,6 +161,8 @@ def _write(
         writer.Write()
     finally:
         writer.RemoveObserver(observer)
+    if errors:
+        raise errors[0]
     if progress is not None:
         progress(1.0)
 

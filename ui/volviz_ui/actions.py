@@ -72,6 +72,13 @@ class Actions(QObject):
             "export",
             tr("Draw the picture at any size into a file"),
         )
+        self.export_mesh = self._make(
+            tr("Export &mesh…"),
+            files.export_mesh,
+            "Ctrl+Shift+E",
+            "export",
+            tr("Write the mesh that marching cubes or tetrahedra show to a file"),
+        )
         self.copy_picture = self._make(
             tr("&Copy picture"),
             files.copy_picture,
@@ -276,7 +283,17 @@ class Actions(QObject):
         """The commands by menu, for the page of shortcuts."""
         tr = self.tr
         return [
-            (tr("File"), [self.open, self.open_folder, self.export_picture, self.copy_picture, self.quit]),
+            (
+                tr("File"),
+                [
+                    self.open,
+                    self.open_folder,
+                    self.export_picture,
+                    self.export_mesh,
+                    self.copy_picture,
+                    self.quit,
+                ],
+            ),
             (tr("Edit"), [self.undo, self.redo, self.preferences]),
             (
                 tr("View"),

@@ -14,11 +14,13 @@ from volviz.model.scene import Scene
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
 from volviz.model.volume import Volume
 from volviz_ui.dialogs.error import show_error
+from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
 from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.scenery import background_picture
 from volviz_ui.script import script_of
+from volviz_ui.surface import shows_mesh
 
 if TYPE_CHECKING:
     from volviz_ui.main_window import MainWindow
@@ -140,6 +142,21 @@ class FileCommands(QObject):
             QApplication.restoreOverrideCursor()
         self._window.status_line.showMessage(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
         return True
+
+    def export_mesh(self) -> ExportMeshDialog | None:
+        """Ask for format and file, and write the mesh that is shown; None where there is none."""
+        facts = self._window.surface.facts
+        if facts is None or not facts.metrics.faces or not shows_mesh(self._window.store.scene):
+            return None
+        dialog = ExportMeshDialog(facts, self._window.workers, self._window.preferences.folder, self._window)
+        dialog.saved.connect(self._on_mesh_saved)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def _on_mesh_saved(self, path: str) -> None:
+        self._window.preferences.folder = str(Path(path).parent)
+        self._window.status_line.showMessage(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
 
     def copy_picture(self) -> None:
         """Put the viewport, as it is shown, on the clipboard."""

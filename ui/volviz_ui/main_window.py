@@ -45,6 +45,7 @@ from volviz_ui.ray_inspector.panel import RayPanel
 from volviz_ui.scenery import Scenery
 from volviz_ui.session_commands import SessionCommands
 from volviz_ui.status_line import StatusLine
+from volviz_ui.surface import Surface, shows_mesh
 from volviz_ui.theme import Theme
 from volviz_ui.thumbnails import Thumbnails
 from volviz_ui.transfer_editor import TransferEditor
@@ -128,6 +129,7 @@ class MainWindow(QMainWindow):
         self.measurements = Measurements(
             self.store, self.documents, self.views, self.workers, self.compare_panel, self
         )
+        self.surface = Surface(self.store, self.workers, self)
         self.file_commands = FileCommands(self)
         self.session_commands = SessionCommands(self)
         self.view_commands = ViewCommands(self)
@@ -201,6 +203,12 @@ class MainWindow(QMainWindow):
         self.transfer_editor.failed.connect(
             lambda error: show_error(self, self.tr("Transfer function"), error)
         )
+        section = self.technique_panel.surface
+        self.surface.facts_changed.connect(section.show_facts)
+        self.surface.facts_changed.connect(self._show_exportable)
+        self.surface.work_changed.connect(section.show_work)
+        section.cancel_wanted.connect(self.surface.cancel)
+        section.export_wanted.connect(self.file_commands.export_mesh)
         self.documents.volume_changed.connect(self._on_volume_changed)
         self.documents.opened.connect(self._on_opened)
         self.documents.failed.connect(self._on_failed_to_open)
@@ -228,6 +236,7 @@ class MainWindow(QMainWindow):
         self.store.history_changed.connect(self._show_history)
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
         show_value(self.store, _why_no_regions, self._show_regions_unused)
+        show_value(self.store, shows_mesh, self._show_exportable)
         show_value(
             self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function
         )
@@ -326,6 +335,12 @@ class MainWindow(QMainWindow):
             self.gate.open()
         if view == self.views.active.view:
             self.status_line.show_status(status)
+            self.surface.show_status(status, self.views.active.display.handle)
+
+    def _show_exportable(self, _facts: Any) -> None:
+        facts = self.surface.facts
+        on = shows_mesh(self.store.scene) and facts is not None and facts.metrics.faces > 0
+        self.actions_.export_mesh.setEnabled(on)
 
     def _show_function(self, function: Any) -> None:
         if self.documents.is_ready_for(self.store.scene):
@@ -349,6 +364,7 @@ class MainWindow(QMainWindow):
         self.status_line.show_technique(current_technique(self.store.scene).label)
         if status is not None:
             self.status_line.show_status(status)
+            self.surface.show_status(status, self.views.active.display.handle)
 
     def _show_history(self) -> None:
         for action, label, words in (

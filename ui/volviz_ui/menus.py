@@ -52,7 +52,9 @@ class Menus:
         file.addSeparator()
         file.addActions([actions.open_session, actions.save_session])
         file.addSeparator()
-        file.addActions([actions.export_picture, actions.copy_picture, actions.copy_script])
+        file.addActions(
+            [actions.export_picture, actions.export_mesh, actions.copy_picture, actions.copy_script]
+        )
         file.addSeparator()
         file.addAction(actions.quit)
 

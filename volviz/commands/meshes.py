@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from volviz.commands.inputs import add_input, load_input
-from volviz.errors import InputError
+from volviz.errors import InputError, VolvizError
 
 
 def add_commands(commands: Any) -> None:
@@ -48,6 +49,8 @@ def add_commands(commands: Any) -> None:
     crosscheck.add_argument(
         "--isovalue", type=float, required=True, help="value of the surface, in data units"
     )
+    crosscheck.add_argument("--method", choices=("lorensen", "topological", "tetrahedra"), default="lorensen")
+    crosscheck.add_argument("--json", metavar="FILE", help="write the report as JSON as well")
     crosscheck.set_defaults(run=run_crosscheck)
 
 
@@ -80,8 +83,16 @@ def run_crosscheck(options: argparse.Namespace) -> int:
     """Compare with VTK; the status is 1 when the meshes differ without an explanation."""
     from volviz.compare.crosscheck import crosscheck
 
-    report = crosscheck(load_input(options), options.isovalue)
+    told = Progress("cross-check")
+    report = crosscheck(load_input(options), options.isovalue, options.method, progress=told.part(0.0, 1.0))
+    told.end()
     _say(report.format())
+    if options.json:
+        target = Path(options.json).expanduser()
+        try:
+            target.write_text(json.dumps(report.to_dict(), indent=1), encoding="utf-8")
+        except OSError as error:
+            raise VolvizError(f"{target}: the report cannot be written ({error.strerror}).") from None
     return 0 if report.is_explained else 1
 
 

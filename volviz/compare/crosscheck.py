@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from volviz.compare.mesh_differences import (
 from volviz.compare.mesh_metrics import MeshMetrics, mesh_metrics
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.compare.vtk_contours import VTK_METHODS, run_vtk_contour, vtk_image, vtk_mesh_arrays
-from volviz.errors import InputError
+from volviz.errors import Cancelled, InputError
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.marching.surface import clean_mesh
 
@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from volviz.model.volume import Volume
 
 _OURS = "ours"
+#: Name of the run of Flying Edges on all processors.
+THREADED = "vtkFlyingEdges3D, threaded"
+#: Places of each surface from which the distance to the other one is measured, at most.
+MOST_SAMPLES = 200_000
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,8 @@ class CrosscheckReport:
         Our mesh as it comes, and with coincident vertices merged.
     comparisons : tuple of FilterComparison
         One for each filter of VTK.
+    threaded : MeshMetrics
+        Cleaned mesh of vtkFlyingEdges3D on all processors.
     seconds : dict of str to float
         Median times, normals included: "ours", each filter, and "vtkFlyingEdges3D, threaded".
     """
@@ -92,6 +98,7 @@ class CrosscheckReport:
     raw: MeshMetrics
     cleaned: MeshMetrics
     comparisons: tuple[FilterComparison, ...]
+    threaded: MeshMetrics
     seconds: dict[str, float]
 
     @property
@@ -115,9 +122,37 @@ class CrosscheckReport:
         for comparison in self.comparisons:
             lines += ["", *_comparison_lines(comparison, self.cleaned)]
         lines += ["", *self._time_lines()]
-        verdict = "identical with VTK's" if self.vertices_agree else "NOT identical with VTK's"
-        lines += ["", f"Vertices are {verdict}; our mesh is {_topology_in_words(self.raw)}."]
+        lines += ["", self.verdict]
         return "\n".join(lines)
+
+    def columns(self) -> list[tuple[str, MeshMetrics]]:
+        """Names and figures of all cleaned meshes, ours first."""
+        others = [(comparison.filter_name, comparison.cleaned) for comparison in self.comparisons]
+        return [(_OURS, self.cleaned), *others, (THREADED, self.threaded)]
+
+    def explanations(self) -> list[tuple[str, list[str]]]:
+        """What there is to say about each filter of VTK, sentence by sentence."""
+        return [
+            (
+                comparison.filter_name,
+                [line.strip() for line in _comparison_lines(comparison, self.cleaned)[1:]],
+            )
+            for comparison in self.comparisons
+        ]
+
+    @property
+    def verdict(self) -> str:
+        """The result in one sentence."""
+        vertices = "identical with VTK's" if self.vertices_agree else "NOT identical with VTK's"
+        return f"Vertices are {vertices}; our mesh is {_topology_in_words(self.raw)}."
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as plain values, for JSON."""
+        return asdict(self) | {
+            "vertices_agree": self.vertices_agree,
+            "is_explained": self.is_explained,
+            "verdict": self.verdict,
+        }
 
     def _table(self) -> list[str]:
         columns = [("ours", self.raw), ("ours, cleaned", self.cleaned)]
@@ -155,6 +190,7 @@ def crosscheck(
     *,
     repeats: int = 3,
     progress: Callable[[float], object] | None = None,
+    cancel: Callable[[], bool] | None = None,
 ) -> CrosscheckReport:
     """Compare our isosurface with those of vtkMarchingCubes and vtkFlyingEdges3D.
 
@@ -170,26 +206,40 @@ def crosscheck(
         Runs of each side for the times, taken in turn after one run for warming up.
     progress : callable, optional
         Called with the finished fraction, 0..1.
+    cancel : callable, optional
+        Asked between the steps; when it returns True the work ends with `Cancelled`.
 
     Raises
     ------
     InputError
         An argument is not one of the above.
+    Cancelled
+        `cancel` returned True.
     """
     if repeats < 1:
         raise InputError(f"repeats must be at least 1, got {repeats}.")
-    report = progress or (lambda _: None)
+
+    def report(fraction: float) -> None:
+        if progress is not None:
+            progress(fraction)
+        if cancel is not None and cancel():
+            raise Cancelled("The cross-check was cancelled.")
+
+    report(0.0)
     image = vtk_image(volume)
     vertices, faces, _ = _extract(volume, isovalue, method)
     raw = (vertices, faces)
     cleaned = clean_mesh(vertices, faces, None)[:2]
-    report(0.1)
+    report(0.05)
     comparisons = []
     for step, name in enumerate(VTK_METHODS):
+        begin = 0.05 + 0.35 * step
         theirs = vtk_mesh_arrays(run_vtk_contour(image, isovalue, name))
-        comparisons.append(_compare(name, cleaned, theirs, volume, isovalue))
-        report(0.4 + 0.3 * step)
-    seconds = _times(volume, isovalue, method, repeats)
+        report(begin + 0.05)
+        comparisons.append(_compare(name, cleaned, theirs, volume, isovalue, report, begin))
+    threaded = clean_mesh(*vtk_mesh_arrays(run_vtk_contour(image, isovalue, threaded=True)), None)[:2]
+    report(0.76)
+    seconds = _times(volume, isovalue, method, repeats, report)
     report(1.0)
     return CrosscheckReport(
         volume_name=volume.name,
@@ -200,6 +250,7 @@ def crosscheck(
         raw=mesh_metrics(*raw),
         cleaned=mesh_metrics(*cleaned),
         comparisons=tuple(comparisons),
+        threaded=mesh_metrics(*threaded),
         seconds=seconds,
     )
 
@@ -216,10 +267,23 @@ def _extract(volume: Volume, isovalue: float, method: str) -> tuple[np.ndarray, 
     return vertices, faces, normals if normals is not None else np.empty((0, 3))
 
 
-def _compare(name: str, ours: Mesh, theirs: Mesh, volume: Volume, isovalue: float) -> FilterComparison:
+def _compare(
+    name: str,
+    ours: Mesh,
+    theirs: Mesh,
+    volume: Volume,
+    isovalue: float,
+    report: Callable[[float], None],
+    begin: float,
+) -> FilterComparison:
     cleaned = clean_mesh(*theirs, None)[:2]
     match, partner = match_vertices(ours[0], cleaned[0], volume.spacing)
+    report(begin + 0.12)
     common, differences = explain_differences(ours, cleaned, partner, volume, isovalue)
+    report(begin + 0.2)
+    both = len(ours[1]) and len(cleaned[1])
+    distance = surface_distance(ours, cleaned, max_samples=MOST_SAMPLES) if both else None
+    report(begin + 0.3)
     return FilterComparison(
         filter_name=name,
         vertices=match,
@@ -227,17 +291,19 @@ def _compare(name: str, ours: Mesh, theirs: Mesh, volume: Volume, isovalue: floa
         cleaned=mesh_metrics(*cleaned),
         common_triangles=common,
         differences=differences,
-        distance=surface_distance(ours, cleaned) if len(ours[1]) and len(cleaned[1]) else None,
+        distance=distance,
     )
 
 
-def _times(volume: Volume, isovalue: float, method: str, repeats: int) -> dict[str, float]:
+def _times(
+    volume: Volume, isovalue: float, method: str, repeats: int, report: Callable[[float], None]
+) -> dict[str, float]:
     """Median times of both sides, run in turn, so that a busy machine hits all alike."""
     image = vtk_image(volume)
     runs: dict[str, Callable[[], object]] = {_OURS: lambda: _extract(volume, isovalue, method)}
     for name in VTK_METHODS:
         runs[name] = lambda name=name: run_vtk_contour(image, isovalue, name)  # type: ignore[misc]
-    runs["vtkFlyingEdges3D, threaded"] = lambda: run_vtk_contour(image, isovalue, threaded=True)
+    runs[THREADED] = lambda: run_vtk_contour(image, isovalue, threaded=True)
     seconds: dict[str, list[float]] = {name: [] for name in runs}
     for turn in range(repeats + 1):
         for name, run in runs.items():
@@ -245,6 +311,7 @@ def _times(volume: Volume, isovalue: float, method: str, repeats: int) -> dict[s
             run()
             if turn:
                 seconds[name].append(time.perf_counter() - start)
+        report(0.76 + 0.23 * (turn + 1) / (repeats + 1))
     return {name: float(np.median(times)) for name, times in seconds.items()}
 
 

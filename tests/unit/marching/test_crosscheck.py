@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 
 from volviz import Volume
+from volviz.cli import main
 from volviz.compare import crosscheck as module
 from volviz.compare.crosscheck import crosscheck
-from volviz.errors import InputError
+from volviz.errors import Cancelled, InputError
 from volviz.kernels.marching import marching_cubes
 
 from .meshes import noise
@@ -113,3 +115,31 @@ def test_progress_ends_at_one_and_repeats_are_checked():
 def test_a_report_cannot_be_changed(report):
     with pytest.raises(dataclasses.FrozenInstanceError):
         report.isovalue = 3.0
+
+
+def test_the_report_as_plain_values_survives_json(report):
+    found = json.loads(json.dumps(report.to_dict()))
+    assert found["cleaned"]["faces"] == report.cleaned.faces
+    assert found["threaded"]["area"] == pytest.approx(report.comparisons[1].cleaned.area)
+    assert found["comparisons"][0]["differences"][0]["reason"] == "diagonals"
+    assert found["vertices_agree"] is True
+    assert found["verdict"] in report.format()
+
+
+def test_a_cross_check_can_be_cancelled_at_every_step():
+    volume = Volume(noise((5, 5, 5), np.uint8))
+    steps = []
+    crosscheck(volume, 99.5, repeats=1, progress=steps.append)
+    for last in range(len(steps)):
+        asked = []
+        with pytest.raises(Cancelled):
+            crosscheck(volume, 99.5, repeats=1, cancel=lambda: asked.append(1) or len(asked) > last)  # noqa: B023
+        assert len(asked) == last + 1
+
+
+def test_the_command_line_writes_the_report_as_json(tmp_path, capsys):
+    source, target = tmp_path / "noise.npy", tmp_path / "report.json"
+    np.save(source, noise((5, 6, 7), np.uint8))
+    assert main(["crosscheck", str(source), "--isovalue", "99.5", "--json", str(target)]) == 0
+    assert "Vertices are identical" in capsys.readouterr().out
+    assert json.loads(target.read_text())["isovalue"] == 99.5

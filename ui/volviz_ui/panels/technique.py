@@ -16,7 +16,9 @@ from volviz_ui.binding import show_value
 from volviz_ui.panels.light import LightSection
 from volviz_ui.panels.panel import Panel, quiet_label, small_button
 from volviz_ui.panels.settings_form import SettingsForm
+from volviz_ui.panels.surface import SurfaceSection
 from volviz_ui.panels.technique_box import TechniqueBox, current_settings, current_technique
+from volviz_ui.surface import shows_mesh
 
 
 class TechniquePanel(Panel):
@@ -51,10 +53,15 @@ class TechniquePanel(Panel):
         line.setSpacing(4)
         line.addWidget(self.box, 1)
         line.addWidget(self.reset_all)
-        for widget in (head, self.summary, self.light):
+        self.surface = SurfaceSection(self)
+        for widget in (head, self.summary, self.surface, self.light):
             self.add(widget)
         show_value(store, lambda scene: scene.view.technique, self.show_technique)
         show_value(store, current_settings, self.show_settings)
+        show_value(store, shows_mesh, self._show_surface)
+
+    def _show_surface(self, on: bool) -> None:
+        self.surface.setVisible(on)
 
     def set_volume(self, volume: Volume | None) -> None:
         """Take range and unit from another volume."""

@@ -127,11 +127,16 @@ def _run(
     cancel: Callable[[], bool] | None,
 ) -> vtkPolyData:
     """Run one filter of VTK, which tells its progress and is asked to stop through its own events."""
+    errors: list[Exception] = []
 
     def told(_filter: Any, _event: str) -> None:
-        if progress is not None:
-            progress(begin + share * step.GetProgress())
-        if cancel is not None and cancel():
+        try:
+            if progress is not None:
+                progress(begin + share * step.GetProgress())
+            if cancel is not None and cancel():
+                step.SetAbortExecute(True)
+        except Exception as error:  # noqa: BLE001 - VTK would print and swallow it
+            errors.append(error)
             step.SetAbortExecute(True)
 
     if cancel is not None and cancel():
@@ -142,6 +147,8 @@ def _run(
         step.Update()
     finally:
         step.RemoveObserver(observer)
+    if errors:
+        raise errors[0]
     if cancel is not None and cancel():
         raise Cancelled("The work on the mesh was cancelled.")
     result: vtkPolyData = step.GetOutput()
