@@ -10,6 +10,15 @@ import numpy.typing as npt
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QImage
 
+from volviz.custom_gl.registry import technique
+from volviz.custom_gl.settings import SamplingSettings
+from volviz.errors import VolvizError
+from volviz.kernels.reference import Shading, reference_render
+from volviz.kernels.reference_shadows import reference_shadows
+from volviz.kernels.reference_surface import reference_isosurface
+from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import make_settings
+from volviz.model.presets import Preset
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz_ui.workers import Task, Workers
@@ -18,6 +27,8 @@ SIDE = 72
 """Voxels of the coarse copy along its longest axis, and pixels of a picture."""
 
 BACKGROUND = (0.11, 0.12, 0.14)
+SURFACE = (0.87, 0.79, 0.65)
+"""Colour of surfaces."""
 Deliver = Callable[[QImage], None]
 
 
@@ -35,15 +46,19 @@ class Thumbnails(QObject):
         self._volume = volume
         self._coarse = None
 
-    def request(self, function: TransferFunction, deliver: Deliver) -> None:
-        """Draw a function on the volume and hand the picture to `deliver`, on the GUI thread."""
+    def request(self, preset: Preset, function: TransferFunction, deliver: Deliver) -> None:
+        """Draw a preset on the volume, with its technique, and hand the picture to `deliver`, on the GUI thread.
+
+        `function` is the preset's in the units of the volume.
+        """
         volume, coarse = self._volume, self._coarse
         if volume is None:
             return
 
         def work(_task: Task) -> Any:
             copy = coarse if coarse is not None else coarse_copy(volume)
-            return copy, drawn(copy, function, volume)
+            picture = None if preset.technique is None else drawn_with(preset, copy, function, volume)
+            return copy, drawn(copy, function, volume) if picture is None else picture
 
         def arrived(result: Any) -> None:
             if volume is self._volume:
@@ -79,6 +94,69 @@ def drawn(
         picture += (through * alpha[:, y])[..., None] * colors[:, y, :, :3]
         through *= 1 - alpha[:, y]
     return np.asarray((picture + through[..., None] * np.asarray(BACKGROUND))[::-1])
+
+
+def drawn_with(
+    preset: Preset, coarse: npt.NDArray[np.float32], function: TransferFunction, volume: Volume
+) -> npt.NDArray[np.float64] | None:
+    """The copy as the preset's technique draws it, by the oracle of that technique: same view and shape as `drawn`.
+
+    None where there is no such technique here, or it draws nothing that can be foreseen on a small copy.
+    """
+    try:
+        info = technique(str(preset.technique))
+        settings = make_settings(info.settings, preset.settings or {}, owner=info.id)
+    except VolvizError:
+        return None
+    cell = max(volume.extent) / SIDE
+    depth, height, width = cell * (np.array(coarse.shape)[[1, 0, 2]] - 1)
+    view = np.array([[1, 0, 0, -width / 2], [0, 0, 1, -height / 2], [0, -1, 0, -cell], [0, 0, 0, 1]], float)
+    size = (coarse.shape[2], coarse.shape[0])
+    projection = np.diag([2 / (width + cell), 2 / (height + cell), -2 / (depth + 2 * cell), 1.0])
+    projection[2, 3] = -1.0
+    where: dict[str, Any] = {"spacing": (cell,) * 3, "view": view, "projection": projection, "size": size}
+    step = max(getattr(settings, "step", 0.5) * min(volume.spacing), 0.5 * cell)
+    isovalues = getattr(settings, "isovalues", getattr(settings, "isovalue", ()))
+    if isinstance(settings, SamplingSettings):
+        picture = _cast(coarse, function, volume, settings, step, where)
+    elif isovalues != ():
+        wanted = (auto_isovalue(volume),) if isovalues is None else isovalues
+        found = reference_isosurface(
+            coarse, **where, isovalues=wanted if isinstance(wanted, tuple) else (wanted,), step_world=step,
+            colors=SURFACE, shading=Shading(),
+        )  # fmt: skip
+        picture = found.color
+    elif hasattr(settings, "attenuation_color"):
+        picture = reference_shadows(
+            coarse, **where, table=function.bake(volume.range), value_range=volume.range, step_world=cell,
+            light_position=(-0.3 * width, -1.5 * depth, height + 0.5 * depth), kappa=settings.attenuation_color,
+            ambient=settings.ambient, unit_distance=settings.opacity_unit_distance or volume.mean_spacing,
+            density_threshold=settings.density_threshold,
+        )  # fmt: skip
+    else:
+        return None
+    return np.clip(picture[..., :3] + (1 - picture[..., 3:]) * np.asarray(BACKGROUND), 0, 1)
+
+
+def _cast(
+    coarse: npt.NDArray[np.float32],
+    function: TransferFunction,
+    volume: Volume,
+    settings: Any,
+    step: float,
+    where: dict[str, Any],
+) -> npt.NDArray[np.float64]:
+    """Any of the ray casters' modes, lit from the eye."""
+    low, high = volume.range
+    lit = Shading(settings.ambient, settings.diffuse, settings.specular, settings.shininess)
+    return reference_render(
+        coarse, **where, table=function.bake((low, high)), value_range=(low, high), step_world=step,
+        unit_distance=settings.opacity_unit_distance or volume.mean_spacing, mode=settings.mode,
+        attenuation=settings.attenuation, shading=lit if settings.shading else None,
+        gradient_opacity=settings.gradient_opacity, gradient_reference=0.25 * (high - low) / volume.mean_spacing,
+        interpolation=settings.interpolation, density_threshold=settings.density_threshold,
+        preintegrated=settings.mode == "composite" and getattr(settings, "preintegrated", False),
+    )  # fmt: skip
 
 
 def image_of(picture: npt.NDArray[np.float64]) -> QImage:

@@ -126,7 +126,7 @@ def test_presets_are_shown_with_pictures_and_taken_by_keyboard(editor, store, qt
 def test_thumbnails_come_from_the_provider_when_there_is_one(editor, qtbot) -> None:
     asked: list[TransferFunction] = []
 
-    def provider(wanted, deliver) -> None:
+    def provider(_preset, wanted, deliver) -> None:
         asked.append(wanted)
         image = QImage(104, 72, QImage.Format.Format_RGB32)
         image.fill(QColor(255, 0, 0))

@@ -104,9 +104,9 @@ class TransferEditor(QWidget):
 
     @property
     def thumbnail_provider(self) -> ThumbnailProvider | None:
-        """Called as ``provider(transfer_function, deliver)`` one after the other while the presets are shown.
+        """Called as ``provider(preset, function, deliver)`` one after the other while the presets are shown.
 
-        It renders the function on the volume, when idle, and calls ``deliver(QImage)`` on the GUI thread.
+        It renders the preset on the volume, when idle, and calls ``deliver(QImage)`` on the GUI thread.
         """
         return self.popup.provider
 

@@ -14,6 +14,7 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPalette,
     QPen,
+    QPixmap,
     QPolygonF,
     QResizeEvent,
 )
@@ -58,6 +59,7 @@ class PlotView(QWidget):
         self._under = Hit("none")
         self._pointer: QPointF | None = None
         self._histogram: QPainterPath | None = None
+        self._ground: QPixmap | None = None
         self._curve: QPolygonF | None = None
         self._strip: QImage | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -103,7 +105,7 @@ class PlotView(QWidget):
     def set_fine_opacity(self, fine: bool) -> None:
         """Give small opacities room."""
         self.opacities = OpacityAxis(fine)
-        self._forget()
+        self._forget(histogram=True)
 
     def set_markers(
         self, values: tuple[float, ...], colors: tuple[tuple[float, float, float], ...] = ()
@@ -147,8 +149,7 @@ class PlotView(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         palette, places, function = self.palette(), self.places, self.model.function
-        painting.paint_frame(painter, places, palette, self.model.unit, self.font())
-        self._paint_histogram(painter, places, palette)
+        painter.drawPixmap(0, 0, self._drawn_ground(places))
         if function is None:
             painter.setPen(palette.color(QPalette.ColorRole.PlaceholderText))
             painter.drawText(
@@ -205,6 +206,20 @@ class PlotView(QWidget):
         words.append(self.tr("opacity %1").replace("%1", f"{opacity:.3g}"))
         return "  ·  ".join(words)
 
+    def _drawn_ground(self, places: Places) -> QPixmap:
+        """Axes and histogram: kept while a point is dragged, since lines of text and counts take their time."""
+        ratio = self.devicePixelRatioF()
+        if self._ground is None or self._ground.devicePixelRatio() != ratio:
+            self._ground = QPixmap(self.size() * ratio)
+            self._ground.setDevicePixelRatio(ratio)
+            self._ground.fill(Qt.GlobalColor.transparent)
+            painter = QPainter(self._ground)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painting.paint_frame(painter, places, self.palette(), self.model.unit, self.font())
+            self._paint_histogram(painter, places, self.palette())
+            painter.end()
+        return self._ground
+
     def _paint_histogram(self, painter: QPainter, places: Places, palette: QPalette) -> None:
         counts = self.counter.counts
         if counts is None:
@@ -234,7 +249,8 @@ class PlotView(QWidget):
 
     def changeEvent(self, event: QEvent) -> None:
         """Another palette or font is drawn at once."""
-        if is_palette_change(event) or event.type() == QEvent.Type.FontChange:
+        changes = (QEvent.Type.FontChange, QEvent.Type.StyleChange, QEvent.Type.EnabledChange)
+        if is_palette_change(event) or event.type() in changes:
             self._forget(histogram=True)
         super().changeEvent(event)
 
@@ -270,7 +286,7 @@ class PlotView(QWidget):
     def _forget(self, *, histogram: bool = False) -> None:
         self._curve = self._strip = None
         if histogram:
-            self._histogram = None
+            self._histogram = self._ground = None
         self.update()
 
     def _describe(self) -> None:

@@ -276,7 +276,7 @@ def _technique_change(preset: Preset) -> Any:
         view = replace(scene.view, technique=info.id)
         if preset.settings is not None:
             view = view.with_settings(info.id, settings)
-        return replace(scene, views=(view, *scene.views[1:]))
+        return scene.with_view(technique=view.technique, settings=view.settings)
 
     return change
 

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
 
-#: Renders a function on the user's volume when the program is idle and hands the picture over.
-ThumbnailProvider = Callable[["TransferFunction", Callable[[QImage], None]], None]
+#: Renders a preset on the user's volume when the program is idle and hands the picture over; the function is the
+#: preset's in the units of the volume.
+ThumbnailProvider = Callable[[Preset, "TransferFunction", Callable[[QImage], None]], None]
 
 WIDTH, HEIGHT = 104, 72
 _PRESET = Qt.ItemDataRole.UserRole
@@ -164,8 +165,7 @@ class PresetPopup(QFrame):
 
     def _show_picture(self, item: QListWidgetItem, preset: Preset) -> None:
         function = self.function_of(preset)
-        key = (function.points, function.opacity)
-        picture = self._pictures.get(key)
+        picture = self._pictures.get(_key(preset, function))
         if picture is None:
             data_range = (0.0, 1.0) if self._volume is None else self._volume.range
             if self._volume is None and function.domain == "data":
@@ -178,8 +178,9 @@ class PresetPopup(QFrame):
         if not self._waiting or self.provider is None or not self.isVisible():
             return
         item = self._waiting.pop(0)
-        function = self.function_of(item.data(_PRESET))
-        key, current = (function.points, function.opacity), self._round
+        preset = item.data(_PRESET)
+        function = self.function_of(preset)
+        key, current = _key(preset, function), self._round
 
         def deliver(image: QImage) -> None:
             self._pictures[key] = image
@@ -189,12 +190,18 @@ class PresetPopup(QFrame):
             if self.isVisible():
                 self._idle.start()
 
-        self.provider(function, deliver)
+        self.provider(preset, function, deliver)
 
     def _on_taken(self, item: QListWidgetItem) -> None:
         preset = item.data(_PRESET)
         self.close()
         self.chosen.emit(preset)
+
+
+def _key(preset: Preset, function: TransferFunction) -> tuple[object, ...]:
+    """What decides how the picture of a preset looks."""
+    settings = tuple(sorted((name, repr(value)) for name, value in (preset.settings or {}).items()))
+    return function.points, function.opacity, function.by_gradient, preset.technique, settings
 
 
 def _untinted(image: QImage) -> QIcon:

@@ -1,0 +1,61 @@
+"""Pictures of presets on the user's own data."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from volviz.model.presets import preset, preset_for
+from volviz.model.volume import Volume
+from volviz_ui.thumbnails import SIDE, coarse_copy, drawn, drawn_with
+
+
+@pytest.fixture(scope="module")
+def shells() -> Volume:
+    """A dense ball in a thin one, off the middle, in anisotropic voxels."""
+    z, y, x = np.indices((20, 40, 40), float)
+    r = np.sqrt((2 * (z - 9)) ** 2 + (y - 19) ** 2 + (x - 14) ** 2)
+    return Volume(np.where(r < 6, 220, np.where(r < 13, 90, 0)).astype(np.uint8), spacing=(1.0, 1.0, 2.0))
+
+
+def test_a_preset_with_ray_casting_looks_like_the_plain_picture(shells: Volume) -> None:
+    chosen = replace(preset("mri"), technique="raycast", settings={})
+    function, coarse = preset_for(chosen, shells), coarse_copy(shells)
+    plain, cast = drawn(coarse, function, shells), drawn_with(chosen, coarse, function, shells)
+    assert cast.shape == plain.shape == (coarse.shape[0], coarse.shape[2], 3)
+    assert max(cast.shape) == pytest.approx(SIDE, abs=2)
+    # the plain picture blends whole cells, the oracle's interpolates between them
+    assert np.abs(cast - plain).mean() < 0.03
+    assert plain.std() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("technique", "settings"),
+    [
+        ("raycast", {"mode": "maximum"}),
+        ("slicing", {"shading": True}),
+        ("two_pass_raycast", {"preintegrated": True, "gradient_opacity": 0.8}),
+        ("isosurface", {"isovalues": (60.0,)}),
+        ("marching_cubes", {}),
+        ("half_angle", {}),
+    ],
+)
+def test_techniques_and_their_settings_change_the_picture(
+    shells: Volume, technique: str, settings: dict[str, object]
+) -> None:
+    chosen = replace(preset("mri"), technique=technique, settings=settings)
+    function, coarse = preset_for(chosen, shells), coarse_copy(shells)
+    picture = drawn_with(chosen, coarse, function, shells)
+    assert picture.min() >= 0
+    assert picture.max() <= 1
+    # the ball is there, left of the middle, and the corners show the background
+    weight = np.abs(picture - picture[0, 0]).sum(axis=-1)
+    assert np.average(np.arange(weight.shape[1]), weights=weight.sum(axis=0)) < 0.47 * weight.shape[1]
+    assert np.abs(picture - drawn(coarse, function, shells)).mean() > 0.003
+
+
+def test_an_unknown_technique_has_no_picture_of_its_own(shells: Volume) -> None:
+    chosen = replace(preset("mri"), technique="nowhere")
+    assert drawn_with(chosen, coarse_copy(shells), preset_for(chosen, shells), shells) is None
