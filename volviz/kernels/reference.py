@@ -12,12 +12,14 @@ ray that is shorter than a step is left out.
 
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from volviz.errors import InputError
+from volviz.errors import Cancelled, InputError
 from volviz.kernels.preintegration import extinction_sums
 from volviz.kernels.reference_march import (
     Classification,
@@ -28,12 +30,15 @@ from volviz.kernels.reference_march import (
 )
 from volviz.kernels.reference_rays import Plane, index_to_world_matrix, volume_rays
 from volviz.kernels.reference_sampling import Float64Array, Shading, make_field, make_lamp, make_plane
-from volviz.kernels.threads import map_ranges
+from volviz.kernels.threads import map_ranges, split_range, worker_count
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 __all__ = ["MODES", "Shading", "reference_render"]
+
+#: Pieces between which a picture can be cancelled.
+PIECES = 128
 
 MODES = ("composite", "maximum", "minimum", "average", "additive", "attenuated_maximum")
 
@@ -66,6 +71,8 @@ def reference_render(
     gradient_table: npt.ArrayLike | None = None,
     gradient_range: tuple[float, float] | None = None,
     gradient_delta: float = 1.0,
+    progress: Callable[[float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
 ) -> Float64Array:
     """The picture that a perfect renderer would draw, in float64.
 
@@ -143,6 +150,8 @@ def reference_render(
     ------
     InputError
         An argument outside what is described here.
+    Cancelled
+        `cancel` said so.
     """
     low, high = value_range
     if mode not in MODES:
@@ -201,5 +210,32 @@ def reference_render(
         else:
             draw_scalar(part, field, classification, march, MODES.index(mode), target)
 
-    map_ranges(rows, size[1])
+    if progress is None and cancel is None:
+        map_ranges(rows, size[1])
+    else:
+        _few_at_a_time(rows, size[1], progress, cancel)
     return picture
+
+
+def _few_at_a_time(
+    rows: Callable[[int, int], None],
+    count: int,
+    progress: Callable[[float], None] | None,
+    cancel: Callable[[], bool] | None,
+) -> None:
+    """All rows on threads of their own, with word on how far they are."""
+    done = 0
+    lock = threading.Lock()
+
+    def some(bounds: tuple[int, int]) -> None:
+        nonlocal done
+        if cancel is not None and cancel():
+            raise Cancelled("the reference picture was cancelled.")
+        rows(*bounds)
+        with lock:
+            done += bounds[1] - bounds[0]
+            if progress is not None:
+                progress(done / count)
+
+    with ThreadPoolExecutor(worker_count(), thread_name_prefix="volviz-reference") as pool:
+        list(pool.map(some, split_range(count, PIECES)))

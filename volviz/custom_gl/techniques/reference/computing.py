@@ -1,0 +1,168 @@
+"""The oracle's picture of a frame, computed on a thread; the newest wish counts."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.errors import Cancelled
+from volviz.kernels.reference import Shading, reference_render
+from volviz.model.transfer_function import MAX_TABLE, TransferFunction, table_size
+from volviz.model.volume import Volume
+
+Picture = npt.NDArray[np.float64]
+
+#: Entries of the table where the data do not name a number: so many that none of ours is finer.
+FINE_TABLE = 2**16 + 1
+#: Entries over value and gradient.
+REGION_TABLE = (1536, 1024)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Everything that the picture depends on; equal wishes have equal pictures.
+
+    Attributes
+    ----------
+    volume, function, settings
+        What is shown and how; the function in data units.
+    view, projection : tuple of 16 floats
+        Row by row.
+    size : (width, height)
+        Pixels that are computed.
+    step, unit_distance : float
+        World units.
+    crop, planes
+        As in `Frame`.
+    light : tuple of 3 floats or None
+        World position, None = at the eye.
+    light_color : tuple of 3 floats
+        Its colour.
+    """
+
+    volume: Volume
+    function: TransferFunction
+    settings: Any
+    view: tuple[float, ...]
+    projection: tuple[float, ...]
+    size: tuple[int, int]
+    step: float
+    unit_distance: float
+    crop: tuple[float, ...]
+    planes: Any
+    light: Any
+    light_color: tuple[float, float, float]
+
+
+class _Job:
+    """One picture on a thread of its own."""
+
+    def __init__(self, wish: Wish) -> None:
+        self.wish = wish
+        self.progress = 0.0
+        self.picture: Picture | None = None
+        self.error: Exception | None = None
+        self.cancelled = threading.Event()
+        self.thread = threading.Thread(target=self._work, name="volviz-reference", daemon=True)
+        self.thread.start()
+
+    def _work(self) -> None:
+        try:
+            self.picture = computed(self.wish, self._tell, self.cancelled.is_set)
+        except Cancelled:
+            return
+        except Exception as error:  # noqa: BLE001 - raised again where the picture is asked for
+            self.error = error
+
+    def _tell(self, fraction: float) -> None:
+        self.progress = fraction
+
+
+class Computing:
+    """Keeps the last picture and makes the next one."""
+
+    def __init__(self) -> None:
+        self._made: tuple[Wish, Picture] | None = None
+        self._job: _Job | None = None
+
+    @property
+    def progress(self) -> float:
+        """How far the picture in work is, 0..1; 1 when there is none."""
+        return 1.0 if self._job is None else self._job.progress
+
+    def get(self, wish: Wish, patience: float) -> Picture | None:
+        """The picture, or None while it is computed; a picture that is no longer wanted is cancelled.
+
+        Parameters
+        ----------
+        wish : Wish
+            What to compute.
+        patience : float
+            Seconds to wait for it.
+        """
+        end = time.perf_counter() + patience
+        while True:
+            if self._made is not None and self._made[0] == wish:
+                return self._made[1]
+            if self._job is None:
+                self._job = _Job(wish)
+            elif self._job.wish != wish:
+                self._job.cancelled.set()
+            self._job.thread.join(max(end - time.perf_counter(), 0.0))
+            if self._job.thread.is_alive():
+                return None
+            job, self._job = self._job, None
+            if job.error is not None:
+                raise job.error
+            if job.picture is not None:
+                self._made = (job.wish, job.picture)
+
+    def close(self) -> None:
+        """Cancel what is in work and forget everything."""
+        if self._job is not None:
+            self._job.cancelled.set()
+            self._job.thread.join()
+        self._job = self._made = None
+
+
+def computed(wish: Wish, progress: Any = None, cancel: Any = None) -> Picture:
+    """The oracle's picture: premultiplied RGBA, shape (height, width, 4), row 0 at the top."""
+    volume, settings = wish.volume, wish.settings
+    entries = table_size(volume.range, volume.array.dtype.kind in "iu")
+    if entries == MAX_TABLE:
+        entries = FINE_TABLE
+    shading = None
+    if settings.shading:
+        shading = Shading(
+            settings.ambient, settings.diffuse, settings.specular, settings.shininess, wish.light,
+            wish.light_color, settings.gradient_delta,
+        )  # fmt: skip
+    regions = _regions(wish)
+    return reference_render(
+        volume.array, volume.spacing, volume.origin, volume.direction,
+        table=wish.function.bake(volume.range, entries), value_range=volume.range,
+        view=np.reshape(wish.view, (4, 4)), projection=np.reshape(wish.projection, (4, 4)), size=wish.size,
+        step_world=wish.step, first_sample=settings.first_sample, unit_distance=wish.unit_distance,
+        mode=settings.mode, attenuation=settings.attenuation, early_termination=settings.early_termination,
+        shading=shading, gradient_opacity=settings.gradient_opacity, crop=wish.crop, clip_planes=wish.planes,
+        interpolation=settings.interpolation,
+        preintegrated=settings.preintegrated and settings.mode == "composite" and not regions,
+        density_threshold=settings.density_threshold, gradient_delta=settings.gradient_delta,
+        progress=progress, cancel=cancel, **regions,
+    )  # fmt: skip
+
+
+def _regions(wish: Wish) -> dict[str, Any]:
+    """Arguments of the oracle for regions over value and gradient, where the function has any to be drawn."""
+    regions = wish.function.by_gradient
+    if regions is None or not regions.regions:
+        return {}
+    top = max(region.gradient_high for region in regions.regions) * 1.01
+    table = regions.bake(wish.volume.range, (0.0, top), REGION_TABLE)
+    table[..., 3] *= wish.function.opacity
+    return {"gradient_table": table, "gradient_range": (0.0, top)}

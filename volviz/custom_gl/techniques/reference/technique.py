@@ -1,0 +1,98 @@
+"""Shows pictures of the float64 oracle, computed on a thread of their own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.technique import Frame
+from volviz.custom_gl.techniques.reference.computing import Computing, Wish
+
+#: Seconds that a full picture waits for the oracle before the window gets its turn.
+PATIENCE = 0.015
+#: The same while something moves.
+MOVING_PATIENCE = 0.03
+#: Rows of a picture while something moves.
+MOVING_ROWS = 64
+
+
+class Reference:
+    """The picture of `volviz.kernels.reference`, one block for each of its pixels."""
+
+    within_tiles = True
+
+    def __init__(self) -> None:
+        self._computing = Computing()
+        self._texture: Any = None
+        self._shown: Any = None
+
+    @property
+    def progress(self) -> float:
+        """How far the picture in work is, 0..1."""
+        return self._computing.progress
+
+    def plan(self, frame: Frame) -> int:
+        """One chunk per tile when the picture is there, 0 while it is computed."""
+        wish = self._wish(frame)
+        picture = self._computing.get(wish, MOVING_PATIENCE if frame.interactive else PATIENCE)
+        if picture is None:
+            return 0
+        if self._shown is not picture:
+            self._release_texture()
+            height, width, _ = picture.shape
+            # row 0 of the oracle is the top, of a texture the bottom
+            data = np.ascontiguousarray(picture[::-1], np.float32)
+            self._texture = frame.gpu.gl.texture((width, height), 4, data.tobytes(), dtype="f4")
+            self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            self._shown = picture
+            frame.gpu.uploads += 1
+        return max(len(frame.tiles), 1)
+
+    def draw(self, frame: Frame, chunk: int) -> None:
+        """Put a tile of the picture into the target, enlarged as it is."""
+        if not frame.tiles:
+            return
+        gpu = frame.gpu
+        program = gpu.programs.get(
+            GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": False, "SCENE_DEPTH": False}
+        )
+        program.set({"u_picture_size": tuple(float(n) for n in self._texture.size)})
+        program.use_texture("t_picture", self._texture)
+        gpu.gl.scissor = frame.tiles[chunk]
+        gpu.draw_fullscreen(program)
+        gpu.gl.scissor = None
+
+    def release(self) -> None:
+        """Release the texture, and stop computing; the context is current."""
+        self._computing.close()
+        self._release_texture()
+
+    def _release_texture(self) -> None:
+        if self._texture is not None:
+            self._texture.release()
+        self._texture = self._shown = None
+
+    @staticmethod
+    def _wish(frame: Frame) -> Wish:
+        width, height = frame.size
+        limit = frame.settings.resolution
+        rows = height if limit is None else min(limit, height)
+        if frame.interactive:
+            rows = min(rows, MOVING_ROWS)
+        return Wish(
+            volume=frame.volume,
+            function=frame.transfer_function,
+            settings=frame.settings,
+            view=tuple(frame.camera.view.ravel()),
+            projection=tuple(frame.camera.projection.ravel()),
+            size=(max(round(width * rows / height), 1), rows),
+            step=frame.step_world,
+            unit_distance=frame.unit_distance,
+            crop=frame.crop,
+            planes=frame.planes,
+            light=None if frame.headlight else tuple(frame.light_position),
+            light_color=frame.light_color,
+        )
