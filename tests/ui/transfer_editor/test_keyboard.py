@@ -174,3 +174,81 @@ def test_without_a_volume_nothing_can_be_edited_and_nothing_breaks(editor, store
     qtbot.mouseDClick(editor.plot, Qt.MouseButton.LeftButton)
     assert not editor.grab().isNull()
     assert not editor.auto_button.isEnabled()
+
+
+def test_colours_of_the_ramp_are_chosen_moved_added_and_removed(editor, store, qtbot) -> None:
+    plot, model = editor.plot, editor.model
+    count = len(model.lanes[0])
+    qtbot.keyClick(plot, Qt.Key.Key_Period)
+    qtbot.keyClick(plot, Qt.Key.Key_Period)
+    assert model.stop == 1
+    assert plot.accessibleDescription().startswith(f"Colour 2 of {count}")
+    before, opacities = model.lanes[0][1].value, model.lanes[1]
+    qtbot.keyClick(plot, Qt.Key.Key_Right)
+    assert model.lanes[0][1].value > before
+    assert model.lanes[1] == opacities
+    qtbot.keyClick(plot, Qt.Key.Key_Insert, Qt.KeyboardModifier.ShiftModifier)
+    assert len(model.lanes[0]) == count + 1
+    assert model.stop == 2
+    qtbot.keyClick(plot, Qt.Key.Key_Delete)
+    assert len(model.lanes[0]) == count
+    qtbot.keyClick(plot, Qt.Key.Key_Comma)
+    assert model.stop == count - 1
+    qtbot.keyClick(plot, Qt.Key.Key_Escape)
+    assert model.stop is None
+
+
+def test_isovalues_are_chosen_and_moved(editor, qtbot) -> None:
+    editor.set_isovalues((100.0, 600.0))
+    moved, released = [], []
+    editor.isovalue_moved.connect(lambda index, value: moved.append((index, value)))
+    editor.isovalue_released.connect(released.append)
+    qtbot.keyClick(editor.plot, Qt.Key.Key_I)
+    qtbot.keyClick(editor.plot, Qt.Key.Key_I)
+    qtbot.keyClick(editor.plot, Qt.Key.Key_Left)
+    assert moved[0][0] == 1
+    assert moved[0][1] < 600.0
+    assert released == [1]
+    assert editor.plot.accessibleDescription().startswith("Isovalue 2 of 2")
+    # after the last one none is chosen, and the arrows belong to the points again
+    qtbot.keyClick(editor.plot, Qt.Key.Key_I)
+    qtbot.keyClick(editor.plot, Qt.Key.Key_Right)
+    assert len(moved) == 1
+    assert editor.model.selection == {0}
+
+
+def test_a_key_held_down_is_one_step_and_escape_takes_it_back(editor, store, qtbot) -> None:
+    start = points(store)
+    qtbot.keyClick(editor.plot, Qt.Key.Key_PageDown)
+    qtbot.keyClick(editor.plot, Qt.Key.Key_PageDown)
+
+    def hold(presses: int) -> None:
+        for _ in range(presses):
+            qtbot.keyPress(editor.plot, Qt.Key.Key_Up)
+
+    hold(5)
+    assert editor.model.in_gesture
+    qtbot.keyRelease(editor.plot, Qt.Key.Key_Up)
+    moved = points(store)
+    assert moved != start
+    store.undo()
+    assert points(store) == start
+    store.redo()
+    hold(3)
+    assert points(store) != moved
+    qtbot.keyClick(editor.plot, Qt.Key.Key_Escape)
+    qtbot.keyRelease(editor.plot, Qt.Key.Key_Up)
+    assert points(store) == moved
+    assert not editor.model.in_gesture
+
+
+def test_arrow_keys_lead_from_the_bundled_presets_to_ones_own_and_back(editor, qtbot) -> None:
+    editor.commands.save_as("Mine")
+    editor.show_presets()
+    assert editor.popup.list.hasFocus()
+    qtbot.keyClick(editor.popup.list, Qt.Key.Key_Up)
+    assert editor.popup.own_list.hasFocus()
+    assert editor.popup.own_list.currentItem().text() == "Mine"
+    qtbot.keyClick(editor.popup.own_list, Qt.Key.Key_Down)
+    assert editor.popup.list.hasFocus()
+    editor.popup.close()

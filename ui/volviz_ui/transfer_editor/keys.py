@@ -22,6 +22,10 @@ _SHIFT, _CTRL, _ALT = (
 _ARROWS = {Key.Key_Left: (-1, 0), Key.Key_Right: (1, 0), Key.Key_Up: (0, 1), Key.Key_Down: (0, -1)}
 
 
+#: Keys that go on acting while they are held down.
+HELD = frozenset({*_ARROWS, Key.Key_BracketLeft, Key.Key_BracketRight, Key.Key_BraceLeft, Key.Key_BraceRight})
+
+
 def shortcuts(widget: QWidget) -> list[tuple[str, str]]:
     """What can be done in the plot and how, as rows for a page of shortcuts."""
     tr = widget.tr
@@ -35,7 +39,9 @@ def shortcuts(widget: QWidget) -> list[tuple[str, str]]:
         (tr("Remove, duplicate"), tr("Delete, Ctrl+D")),
         (tr("Choose a colour"), tr("Double-click on the point, C")),
         (tr("Type value and opacity"), tr("Enter")),
-        (tr("Add a colour to the ramp"), tr("Double-click on the ramp")),
+        (tr("Choose the next, the previous colour of the ramp"), tr("Full stop, comma")),
+        (tr("Add a colour to the ramp"), tr("Double-click on the ramp, Shift+Insert")),
+        (tr("Choose an isovalue"), tr("I; arrow keys move it")),
         (tr("Shift and stretch everything"), tr("Drag the ramp, Alt+drag, [ ] and { }")),
         (tr("Zoom the value axis"), tr("Wheel, + and -")),
         (tr("Pan the value axis"), tr("Middle drag, Shift+wheel, Alt+Left and Alt+Right")),
@@ -46,7 +52,8 @@ def shortcuts(widget: QWidget) -> list[tuple[str, str]]:
 def is_ours(plot: TransferPlot, event: QKeyEvent) -> bool:
     """Whether the plot has a use for the key, so that a shortcut of the window must wait."""
     if event.key() == Key.Key_Escape:
-        return plot.model.in_gesture or bool(plot.model.selection) or plot.model.stop is not None
+        chosen = bool(plot.model.selection) or plot.model.stop is not None or plot.marker >= 0
+        return plot.model.in_gesture or chosen
     return _action(plot, event) is not None
 
 
@@ -57,6 +64,9 @@ def handle_key(plot: TransferPlot, event: QKeyEvent) -> bool:
     action = _action(plot, event)
     if action is None:
         return False
+    if event.key() in HELD and not plot.model.in_gesture and plot.marker < 0:
+        # until the key is let go: holding it down is one step of the history
+        plot.model.begin(plot.tr("Move points") if event.key() in _ARROWS else plot.tr("Shift and stretch"))
     action()
     event.accept()
     return True
@@ -88,7 +98,10 @@ def _action(plot: TransferPlot, event: QKeyEvent) -> Callable[[], object] | None
         Key.Key_PageUp: lambda: plot.select_neighbour(-1),
         Key.Key_Delete: plot.delete,
         Key.Key_Backspace: plot.delete,
-        Key.Key_Insert: lambda: _insert(plot),
+        Key.Key_Insert: lambda: _insert_colour(plot) if shift or model.stop is not None else _insert(plot),
+        Key.Key_Period: lambda: _choose_stop(plot, 1),
+        Key.Key_Comma: lambda: _choose_stop(plot, -1),
+        Key.Key_I: plot.choose_next_marker,
         Key.Key_C: plot.color_wanted.emit,
         Key.Key_Home: plot.fit_data,
         Key.Key_End: plot.fit_function,
@@ -110,6 +123,9 @@ def _action(plot: TransferPlot, event: QKeyEvent) -> Callable[[], object] | None
 def _nudge(plot: TransferPlot, across: int, up: int, factor: float) -> None:
     """Two pixels a press, whatever the zoom; the first press without a choice chooses a point."""
     model = plot.model
+    if plot.marker >= 0:
+        plot.nudge_marker(across * 2.0 * factor)
+        return
     if model.stop is not None:
         _nudge_stop(plot, across * 2.0 * factor)
         return
@@ -135,6 +151,29 @@ def _nudge_stop(plot: TransferPlot, pixels: float) -> None:
         colors, opacities = plot.model.lanes
         value = plot.places.value(plot.places.x(colors[stop].value) + pixels)
         plot.model.apply_lanes(with_moved_stop(colors, stop, value), opacities, plot.tr("Move colour"))
+
+
+def _choose_stop(plot: TransferPlot, step: int) -> None:
+    """The next or previous colour of the ramp, brought into view."""
+    colors, stop = plot.model.lanes[0], plot.model.stop
+    if colors:
+        index = (
+            (0 if step > 0 else len(colors) - 1)
+            if stop is None
+            else min(max(stop + step, 0), len(colors) - 1)
+        )
+        plot.model.select_stop(index)
+        plot.reveal(colors[index].value)
+
+
+def _insert_colour(plot: TransferPlot) -> None:
+    """Half way from the chosen colour to the next one, or in the middle of the window."""
+    colors, stop = plot.model.lanes[0], plot.model.stop
+    if stop is None:
+        plot.add_stop(plot.axis.value(0.5))
+        return
+    following = colors[stop + 1].value if stop + 1 < len(colors) else plot.axis.high
+    plot.add_stop((colors[stop].value + following) / 2)
 
 
 def _insert(plot: TransferPlot) -> None:

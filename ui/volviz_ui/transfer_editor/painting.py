@@ -281,8 +281,9 @@ def paint_markers(
     markers: tuple[float, ...],
     colors: tuple[tuple[float, float, float], ...],
     palette: QPalette,
+    chosen: int = -1,
 ) -> None:
-    """Isovalues: an upright line with a grip at the top."""
+    """Isovalues: an upright line with a grip at the top; the chosen one in the accent colour."""
     plot = places.plot
     for i, value in enumerate(markers):
         if not places.is_visible(value):
@@ -291,7 +292,8 @@ def paint_markers(
         color = color_of(colors[i]) if i < len(colors) else palette.color(Role.Highlight)
         painter.setPen(QPen(palette.color(Role.Base), 3.5))
         painter.drawLine(QPointF(x, plot.top()), QPointF(x, plot.bottom()))
-        painter.setPen(QPen(palette.color(Role.Text), 1.4))
+        line = palette.color(Role.Highlight if i == chosen else Role.Text)
+        painter.setPen(QPen(line, 2.4 if i == chosen else 1.4))
         painter.drawLine(QPointF(x, plot.top()), QPointF(x, plot.bottom()))
         grip = QPolygonF(
             [QPointF(x - 7, plot.top() - 7), QPointF(x + 7, plot.top() - 7), QPointF(x, plot.top() + 6)]

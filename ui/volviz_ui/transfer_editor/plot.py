@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QMouseEvent, QNativeGestureEvent, QWheelEvent
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QFocusEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QNativeGestureEvent,
+    QWheelEvent,
+)
 
 from volviz.model.transfer_lanes import with_stop, without_stop
 from volviz_ui.transfer_editor.gestures import (
@@ -18,7 +25,7 @@ from volviz_ui.transfer_editor.gestures import (
     ShiftStretch,
 )
 from volviz_ui.transfer_editor.items import Hit
-from volviz_ui.transfer_editor.keys import handle_key, is_ours
+from volviz_ui.transfer_editor.keys import HELD, handle_key, is_ours
 from volviz_ui.transfer_editor.plot_view import PlotView
 
 if TYPE_CHECKING:
@@ -206,15 +213,56 @@ class TransferPlot(PlotView):
         if not handle_key(self, event):
             super().keyPressEvent(event)
 
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """A key that was held down is let go: what it has done is one step."""
+        if event.key() in HELD and not event.isAutoRepeat() and self._gesture is None:
+            self.model.finish()
+        super().keyReleaseEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """The release of a held key goes elsewhere."""
+        if self._gesture is None:
+            self.model.finish()
+        super().focusOutEvent(event)
+
     def escape(self) -> bool:
         """Cancel the gesture, or choose nothing; False when there was neither."""
         if self._gesture is not None:
             self._cancel_gesture()
             return True
-        if self.model.selection or self.model.stop is not None:
+        if self.model.in_gesture:
+            self.model.cancel()
+            return True
+        if self.model.selection or self.model.stop is not None or self.marker >= 0:
+            self.marker = -1
             self.model.select(())
+            self.update()
             return True
         return False
+
+    # ------------------------------------------------------------------ isovalues
+
+    def choose_next_marker(self) -> None:
+        """Choose the next isovalue, and none after the last one."""
+        chosen = self.marker + 1 if self.marker + 1 < len(self.markers) else -1
+        self.model.select(())
+        self.marker = chosen
+        if chosen >= 0:
+            self.reveal(self.markers[chosen])
+        self.describe_marker()
+        self.update()
+
+    def nudge_marker(self, pixels: float) -> None:
+        """Move the chosen isovalue; one step of the history."""
+        if pixels and 0 <= self.marker < len(self.markers):
+            value = self.places.value(self.places.x(self.markers[self.marker]) + pixels)
+            value = min(max(value, self.axis.data_low), self.axis.data_high)
+            index, markers = self.marker, list(self.markers)
+            markers[index] = value
+            self.set_markers(tuple(markers), self.marker_colors)
+            self.marker_moved.emit(index, value)
+            self.marker_released.emit(index)
+            self.describe_marker()
 
     # ------------------------------------------------------------------ edits
 

@@ -55,6 +55,8 @@ class PlotView(QWidget):
         self.band: QRectF | None = None
         self.markers: tuple[float, ...] = ()
         self.marker_colors: tuple[tuple[float, float, float], ...] = ()
+        self.marker = -1
+        """Isovalue chosen by the keyboard, -1 for none."""
         self._highlight: float | None = None
         self._under = Hit("none")
         self._pointer: QPointF | None = None
@@ -113,6 +115,7 @@ class PlotView(QWidget):
         """Show isovalues; `marker_moved` tells when the user drags one."""
         if (values, colors) != (self.markers, self.marker_colors):
             self.markers, self.marker_colors = tuple(values), tuple(colors)
+            self.marker = min(self.marker, len(self.markers) - 1)
             self.update()
 
     def set_highlight(self, value: float | None) -> None:
@@ -170,7 +173,7 @@ class PlotView(QWidget):
         painting.paint_curve(painter, places, self._curve, palette, dashed=False)
         if self._highlight is not None:
             painting.paint_highlight(painter, places, self._highlight, palette)
-        painting.paint_markers(painter, places, self.markers, self.marker_colors, palette)
+        painting.paint_markers(painter, places, self.markers, self.marker_colors, palette, self.marker)
         under = self._under
         painting.paint_points(
             painter, places, function, self.model.selection, under.index if under.part == "point" else -1,
@@ -268,6 +271,8 @@ class PlotView(QWidget):
         self._forget()
 
     def _on_selection_changed(self) -> None:
+        if self.model.selection or self.model.stop is not None:
+            self.marker = -1
         self._describe()
         self.update()
 
@@ -289,9 +294,26 @@ class PlotView(QWidget):
             self._histogram = self._ground = None
         self.update()
 
+    def describe_marker(self) -> None:
+        """Tell a screen reader which isovalue is chosen."""
+        if self.marker >= 0:
+            words = self.tr("Isovalue %1 of %2: %3").replace("%1", str(self.marker + 1))
+            words = words.replace("%2", str(len(self.markers)))
+            self.setAccessibleDescription(
+                words.replace("%3", f"{self.markers[self.marker]:.6g} {self.model.unit}".strip())
+            )
+
     def _describe(self) -> None:
         """Tell a screen reader what is chosen."""
         function, chosen = self.model.function, sorted(self.model.selection)
+        stop, colors = self.model.stop, self.model.lanes[0]
+        if function is not None and stop is not None and stop < len(colors):
+            words = self.tr("Colour %1 of %2: value %3").replace("%1", str(stop + 1))
+            words = words.replace("%2", str(len(colors)))
+            self.setAccessibleDescription(
+                words.replace("%3", f"{colors[stop].value:.6g} {self.model.unit}".strip())
+            )
+            return
         if function is None or not chosen:
             return
         point = function.points[chosen[0]]

@@ -157,7 +157,24 @@ class PresetPopup(QFrame):
             if event.key() == Qt.Key.Key_Escape:
                 self.close()
                 return True
+            if self._leads_across(watched, event.key()):
+                return True
         return super().eventFilter(watched, event)
+
+    def _leads_across(self, watched: QWidget, key: int) -> bool:
+        """Up from the top row of the lower list, and down from the last row of the upper one."""
+        columns = max((self.width() - 24) // (WIDTH + 16), 1)
+        row = watched.currentRow()  # type: ignore[attr-defined]
+        upwards = watched is self.list and key == Qt.Key.Key_Up and row < columns
+        last = (self.own_list.count() - 1) // columns
+        downwards = watched is self.own_list and key == Qt.Key.Key_Down and row // columns >= last
+        if not (upwards and self.own_list.count()) and not downwards:
+            return False
+        other = self.own_list if upwards else self.list
+        other.setFocus()
+        if other.currentRow() < 0:
+            other.setCurrentRow(0)
+        return True
 
     def function_of(self, preset: Preset) -> TransferFunction:
         """The preset's function in the units of the volume."""
