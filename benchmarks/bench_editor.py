@@ -132,6 +132,7 @@ def bench_drag(source: str, techniques: list[str]) -> None:
             start = plot.places.point(point.value, point.opacity)
             send(QEvent.Type.MouseButtonPress, start, left, left)
             times, shown = [], set()
+            processor = time.process_time()
             for i in range(MOVES):
                 frames, begin = viewport.frames, time.perf_counter()
                 way = i + 1 if i < MOVES // 2 else MOVES - i - 0.5
@@ -140,6 +141,7 @@ def bench_drag(source: str, techniques: list[str]) -> None:
                 wait(lambda frames=frames: viewport.frames > frames)
                 times.append(time.perf_counter() - begin)
                 shown.add(round(window.display.status.resolution, 3))
+            processor = (time.process_time() - processor) / MOVES
             send(QEvent.Type.MouseButtonRelease, start, left, none)
             wait(lambda: window.display.is_complete)
             times = sorted(times[5:])
@@ -147,7 +149,7 @@ def bench_drag(source: str, techniques: list[str]) -> None:
             print(
                 f"  {technique:20} {len(times) / sum(times):5.1f} frames a second, median "
                 f"{1e3 * statistics.median(times):5.1f} ms, nine of ten within {most:5.1f} ms, "
-                f"resolution {min(shown):g} to {max(shown):g}"
+                f"resolution {min(shown):g} to {max(shown):g}, processor {1e3 * processor:.1f} ms a frame"
             )
         window.close()
         window.deleteLater()

@@ -10,7 +10,9 @@ import numpy.typing as npt
 
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.settings import SamplingSettings
+from volviz.custom_gl.technique import drawn_function
 from volviz.custom_gl.techniques.raycast.settings import RaycastSettings
+from volviz.custom_gl.techniques.reference.settings import ReferenceSettings
 from volviz.custom_gl.techniques.slicing.polygons import EPSILON, wanted_slices
 from volviz.custom_gl.techniques.slicing.settings import SlicingSettings
 from volviz.kernels.preintegration import extinction_sums
@@ -147,8 +149,10 @@ def inspect_ray(
         There is no such technique, or the crop box leaves nothing.
     """
     light, clipping = light or Light(), clipping or Clipping()
-    technique_info(technique)  # a wrong id is told in words
-    sampling = settings if isinstance(settings, SamplingSettings) else _as_ray_casting(settings)
+    # a wrong id is told in words
+    function = drawn_function(technique_info(technique), settings, transfer_function.resolved(volume.range))
+    exact = isinstance(settings, SamplingSettings | ReferenceSettings)
+    sampling = settings if isinstance(settings, SamplingSettings) else _as_ray_casting(settings, exact=exact)
     crop = clipping.crop_within(volume.dimensions)
     matrix = volume.index_to_world
     span = ray_span(
@@ -156,7 +160,7 @@ def inspect_ray(
         crop=crop if clipping.crop is not None else None, clip_planes=clipping.planes, depth=depth,
     )  # fmt: skip
     slices = isinstance(settings, SlicingSettings)
-    optics = _optics(volume, sampling, transfer_function, light, slices=slices)
+    optics = _optics(volume, sampling, function, light, slices=slices)
     low, high = volume.range
     nearest = sampling.interpolation == "nearest"
     lattice = Lattice(
@@ -173,7 +177,7 @@ def inspect_ray(
         pixel,
         span,
         ray_profile(lattice, span, pieces, optics),
-        exact=isinstance(settings, SamplingSettings),
+        exact=exact,
         technique=technique,
         mode=optics.mode,
         acts_on_scalar=optics.mode in SCALAR_MODES,
@@ -185,17 +189,16 @@ def inspect_ray(
     )
 
 
-def _as_ray_casting(settings: Any) -> RaycastSettings:
-    """Ray casting with the settings that another technique has in common with it."""
+def _as_ray_casting(settings: Any, *, exact: bool) -> RaycastSettings:
+    """Ray casting with the settings that another technique has in common with it, its mode only if that is the same."""
     names = [p.name for p in technique_info("raycast").parameters if hasattr(settings, p.name)]
-    return RaycastSettings(**{name: getattr(settings, name) for name in names if name != "mode"})
+    return RaycastSettings(**{name: getattr(settings, name) for name in names if exact or name != "mode"})
 
 
 def _optics(
-    volume: Volume, settings: Any, transfer_function: TransferFunction, light: Light, *, slices: bool
+    volume: Volume, settings: Any, function: TransferFunction, light: Light, *, slices: bool
 ) -> Optics:
     low, high = volume.range
-    function = transfer_function.resolved(volume.range)
     integer = volume.array.dtype.kind in "iu"
     shading = None
     if settings.shading:
@@ -205,7 +208,8 @@ def _optics(
             settings.gradient_delta,
         )  # fmt: skip
     extinction, extinction_range = None, (low, high)
-    if settings.mode == "composite" and getattr(settings, "preintegrated", False):
+    regions = function.by_gradient is not None
+    if settings.mode == "composite" and getattr(settings, "preintegrated", False) and not regions:
         first, last = function.table_range(volume.range)
         # as the tables on the GPU: over the whole range, unless outliers would leave it too few entries
         extinction_range = (first, last) if high - low > 8 * (last - first) else (low, high)
@@ -216,7 +220,8 @@ def _optics(
         extinction = extinction_sums(table)
     unit = settings.opacity_unit_distance
     return Optics(
-        classify=_by_value(volume, function, integer),
+        classify=_by_gradient(function) if regions else _by_value(volume, function, integer),
+        uses_gradient=regions,
         mode=settings.mode,
         unit_distance=volume.mean_spacing if unit is None else float(unit),
         early_termination=1.0 if slices else settings.early_termination,
@@ -228,6 +233,21 @@ def _optics(
         extinction=extinction,
         extinction_range=extinction_range,
     )
+
+
+def _by_gradient(function: TransferFunction) -> Classify:
+    """The regions over value and gradient."""
+    regions = function.by_gradient
+    assert regions is not None
+
+    def classify(
+        values: npt.NDArray[np.float64], gradients: npt.NDArray[np.float64]
+    ) -> npt.NDArray[np.float64]:
+        rgba = regions.evaluate(values, gradients)
+        rgba[:, 3] *= function.opacity
+        return rgba
+
+    return classify
 
 
 def _by_value(volume: Volume, function: TransferFunction, integer: bool) -> Classify:

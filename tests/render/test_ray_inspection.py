@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.render.scenes import SIZE, camera, function, inside, matrices, picture, volume
-from volviz.custom_gl.registry import technique
+from volviz.custom_gl.registry import technique, techniques
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings
+from volviz.model.transfer_function_2d import Region, TransferFunction2D
 from volviz.ray_inspection import RayInspection, inspect_ray
 
 LIMIT = 2 / 255
@@ -100,3 +102,35 @@ def test_techniques_that_sample_no_rays_say_so_and_show_where_their_surfaces_are
     assert len(found.crossings) == len(sides) > 0
     for side, crossing in zip(sides, found.crossings, strict=True):
         assert places[side] <= crossing.distance <= places[side + 1]
+
+
+@pytest.mark.parametrize("technique_id", ["raycast", "slicing"])
+@pytest.mark.parametrize("mode", ["composite", "additive"])
+def test_regions_over_value_and_gradient_are_followed(technique_id: str, mode: str) -> None:
+    of = volume(np.float32, spacing=(0.9, 1.1, 1.4))
+    low, high = of.range
+    steep = 0.25 * (high - low)
+    regions = TransferFunction2D(
+        (
+            Region("rectangle", 0.6, 0.7, 0.0, steep, (1.0, 0.4, 0.1), 0.2),
+            Region("ellipse", 0.3, 0.4, 0.0, steep, (0.2, 0.5, 1.0), 0.1),
+        )
+    )
+    transfer = replace(function(of), by_gradient=regions, opacity=0.8)
+    view, covered = camera(of), 0
+    values = {"mode": mode}
+    drawn = picture(of, transfer, view, technique_id=technique_id, **values)
+    for x, y in PIXELS:
+        found = inspected(of, technique_id, (x, y), view, transfer, values)
+        assert np.abs(np.minimum(found.profile.color, 1.0) - np.minimum(drawn[y, x], 1.0)).max() <= LIMIT
+        covered += drawn[y, x, 3] > 0.1
+    assert covered >= 5
+
+
+def test_every_technique_can_be_inspected() -> None:
+    of = volume()
+    for technique_id in techniques():
+        found = inspected(of, technique_id, (32, 32), camera(of), function(of), {})
+        assert len(found.profile.values) > 10
+        assert found.ends in ("box", "opacity")
+    assert inspected(of, "reference", (32, 32), camera(of), function(of), {}).exact
