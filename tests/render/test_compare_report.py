@@ -227,6 +227,12 @@ def test_names_and_pairs() -> None:
     assert side_names(["a", "b", "a", "a"]) == ["a", "b", "a 2", "a 3"]
     assert len(picture_pairs("abcd")) == 6
     assert picture_pairs("abcde") == [("a", "b"), ("a", "c"), ("a", "d"), ("a", "e")]
+    more = picture_pairs(["a", "b", "c", "d", "reference"])
+    assert [pair for pair in more if "a" not in pair] == [
+        ("b", "reference"),
+        ("c", "reference"),
+        ("d", "reference"),
+    ]
 
 
 @pytest.fixture
@@ -342,18 +348,22 @@ def names_of(data: Any) -> list[str]:
     return [entry["volume"]["name"] for entry in data]
 
 
-def test_a_suite_on_one_file_compares_every_group(
-    volume_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_a_suite_on_one_file_compares_group_by_group(
+    volume_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    groups = [group for group in suite_groups() if group[0].id in ("isosurface", "marching_cubes")]
+    monkeypatch.setattr("volviz.compare.suite.suite_groups", lambda: groups)
     output = tmp_path / "suite.json"
     assert (
         main(["compare", str(volume_file), "--suite", "--size", "24x20", "--frames", "0", "-o", str(output)])
         == 0
     )
     data = json.loads(output.read_text(encoding="utf-8"))
-    assert len(data) == len(suite_groups())
+    assert [[side["name"] for side in entry["sides"]] for entry in data] == [
+        [i.id for i in g] for g in groups
+    ]
     assert set(names_of(data)) == {"small"}
-    assert f"{len(data)} comparisons" in capsys.readouterr().out
+    assert "2 comparisons" in capsys.readouterr().out
 
 
 def test_sides_are_matched_unless_they_shall_not_be() -> None:
@@ -367,9 +377,22 @@ def test_sides_are_matched_unless_they_shall_not_be() -> None:
     assert (left[0].first_sample, left[1].step) == (0.5, 0.5)
 
 
-def test_our_ray_caster_and_vtks_agree_to_45_decibels() -> None:
-    found = compare(make_view(size=(160, 120)), [Side("raycast"), Side("vtk_gpu")], frames=0)
-    assert found.pairs[0].metrics.psnr > 45
+def test_ours_and_vtks_agree_to_45_decibels_and_ours_is_as_near_to_the_reference() -> None:
+    sides = [Side("raycast"), Side("vtk_gpu"), Side("reference")]
+    found = compare(make_view(size=(96, 72)), sides, frames=1)
+    psnr = {(pair.first, pair.second): pair.metrics.psnr for pair in found.pairs}
+    assert psnr["raycast", "vtk_gpu"] > 45
+    assert psnr["raycast", "reference"] >= psnr["vtk_gpu", "reference"]
+    # the oracle has all the time in the world
+    assert found.side("reference").times is None
+    assert found.side("raycast").times is not None
+
+
+def test_what_vtk_does_differently_is_told_in_words() -> None:
+    sides = [Side("marching_tetrahedra"), Side("vtk_flying_edges")]
+    found = compare(make_view(), sides, frames=0)
+    assert any("ambiguous" in sentence for sentence in found.pairs[0].differences)
+    assert "ambiguous" in html_report([found])
 
 
 def test_figures_of_vtks_mesh_are_those_of_what_it_draws() -> None:

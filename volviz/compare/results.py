@@ -200,7 +200,11 @@ def plain(value: Any) -> Any:
 
 
 def picture_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
-    """Which sides are set against each other: all pairs of up to four, else everyone against the first."""
-    if len(names) > 4:
-        return [(names[0], name) for name in names[1:]]
-    return [(a, b) for i, a in enumerate(names) for b in names[i + 1 :]]
+    """Which sides are set against each other.
+
+    All pairs of up to four; of more, everyone against the first and against the reference.
+    """
+    pairs = [(a, b) for i, a in enumerate(names) for b in names[i + 1 :]]
+    if len(names) <= 4:
+        return pairs
+    return [(a, b) for a, b in pairs if a == names[0] or "reference" in (a, b)]
