@@ -257,6 +257,13 @@ class Actions(QObject):
             "",
             tr("What VTK's own mapper draws, with the same settings, beside the active view"),
         )
+        self.report = self._make(
+            tr("Write &report…"),
+            self._window.reports.write_report,
+            "",
+            "",
+            tr("All views with pictures, differences, figures and settings in one file"),
+        )
         self.next_view = self._make(
             tr("&Next view"),
             compare.activate_next,

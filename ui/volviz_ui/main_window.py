@@ -24,6 +24,7 @@ from volviz_ui.binding import show_value
 from volviz_ui.compare.commands import CompareCommands
 from volviz_ui.compare.measurements import Measurements
 from volviz_ui.compare.panel import ComparePanel
+from volviz_ui.compare.reports import Reports
 from volviz_ui.compare.view_area import ViewArea
 from volviz_ui.dialogs.about import AboutDialog
 from volviz_ui.dialogs.error import sentence_of, show_error
@@ -130,6 +131,7 @@ class MainWindow(QMainWindow):
             self.store, self.documents, self.views, self.workers, self.compare_panel, self
         )
         self.surface = Surface(self.store, self.workers, self)
+        self.reports = Reports(self, self.compare_panel)
         self.file_commands = FileCommands(self)
         self.session_commands = SessionCommands(self)
         self.view_commands = ViewCommands(self)
@@ -351,7 +353,13 @@ class MainWindow(QMainWindow):
 
     def _show_view_count(self, count: int) -> None:
         self.actions_.split.setChecked(count > 1)
-        for action in (self.actions_.next_view, self.actions_.close_view, self.actions_.swap_views):
+        several = (
+            self.actions_.next_view,
+            self.actions_.close_view,
+            self.actions_.swap_views,
+            self.actions_.report,
+        )
+        for action in several:
             action.setEnabled(count > 1)
 
     def _show_mode(self, mode: str) -> None:
@@ -528,6 +536,7 @@ class MainWindow(QMainWindow):
         self.ray_inspector.close()
         self.transfer_editor.close_workers()
         self.measurements.close()
+        self.reports.close()
         self.workers.close()
         self.views.close_views()
         self.documents.close()

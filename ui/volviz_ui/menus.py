@@ -94,6 +94,8 @@ class Menus:
         compare.addActions(actions.modes)
         compare.addSeparator()
         compare.addActions([actions.next_view, actions.swap_views, actions.close_view])
+        compare.addSeparator()
+        compare.addAction(actions.report)
         self.compare = compare
 
         help_ = bar.addMenu(window.tr("&Help"))

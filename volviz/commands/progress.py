@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -10,22 +11,29 @@ from types import FrameType, TracebackType
 from typing import Any, Self
 
 BAR = 24
+#: Environment variable for programs that read the progress: "lines" writes one line a step instead of a bar.
+PROGRESS, LINES = "VOLVIZ_PROGRESS", "lines"
 
 
 class ProgressLine:
     """A bar with words on standard error, rewritten in place; silent when that is no terminal.
+
+    With `VOLVIZ_PROGRESS=lines` every step is a line of its own, for programs that read them.
 
     A context manager: the line is cleared at the end. Within it the first Ctrl+C is answered between two steps of
     `follow`: in the middle of a frame VTK would print the exception and swallow it. A second one acts at once.
     """
 
     def __init__(self) -> None:
-        self._shown = sys.stderr.isatty()
+        self._lines = os.environ.get(PROGRESS) == LINES
+        self._shown = sys.stderr.isatty() and not self._lines
         self._stopping = False
         self._handler: Any = None
 
     def show(self, fraction: float, words: str = "") -> None:
         """Show a fraction, 0..1, and what is being done."""
+        if self._lines:
+            print(f"{fraction:.4f} {words}", file=sys.stderr, flush=True)
         if not self._shown:
             return
         full = round(BAR * min(max(fraction, 0.0), 1.0))

@@ -143,6 +143,8 @@ class Measurements(QObject):
     def _on_scene_changed(self, old: Scene, new: Scene) -> None:
         if _drawn(old) != _drawn(new):
             self._forget()
+        if _converging(old) != _converging(new):
+            self._panel.show_convergence([])
         if (old.views, old.active_index) != (new.views, new.active_index):
             self._show_pair(new)
         if old.comparison != new.comparison and self._wanted and self.figures is None:
@@ -159,8 +161,7 @@ class Measurements(QObject):
     def _show_pair(self, scene: Scene) -> None:
         pair = self._views.arrangement.pair
         several = len(scene.views) > 1 and pair is not None
-        for button in (self._panel.time_button, self._panel.match_button):
-            button.setEnabled(several)
+        self._panel.set_several(several)
         if pair is None or not several:
             self._panel.show_nothing(self.tr("Split the view to compare: Compare, Two views (Ctrl+2)."))
             self._panel.show_differences([])
@@ -181,3 +182,8 @@ def _drawn(scene: Scene) -> Any:
     """What decides the pictures."""
     views = [(v.technique, v.settings, v.camera) for v in scene.views]
     return views, scene.layers, scene.light, scene.clipping, scene.background
+
+
+def _converging(scene: Scene) -> Any:
+    """What an order of convergence was measured of; another camera leaves it standing."""
+    return [(v.technique, v.settings) for v in scene.views], scene.layers

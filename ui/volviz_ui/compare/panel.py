@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QPushButton, QWidget
+from PySide6.QtWidgets import QProgressBar, QPushButton, QWidget
 
 from volviz.compare.timing import FrameTimes, ratio
 from volviz.model.scene import Store
+from volviz_ui.compare.convergence_plot import ConvergencePlot, Curve
 from volviz_ui.compare.figure_table import FigureTable
 from volviz_ui.compare.figures import PairFigures
 from volviz_ui.compare.look_section import LookSection
@@ -28,9 +29,14 @@ class ComparePanel(Panel):
     visibility_changed = Signal()
     timing_wanted = Signal()
     match_wanted = Signal()
+    report_wanted = Signal()
+    open_wanted = Signal()
+    convergence_wanted = Signal()
+    work_cancelled = Signal()
 
     def __init__(self, store: Store, commands: CompareCommands, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._several = False
         self.look = LookSection(self.tr("Views"), store, commands, self)
         self.state = quiet_label("", self)
         self.state.setWordWrap(True)
@@ -65,9 +71,9 @@ class ComparePanel(Panel):
         settings = Section(self.tr("Differences in settings"), parent=self)
         settings.add_wide(self.words)
         settings.add_wide(self.match_button)
-        self.sections = {"pictures": pictures, "sides": sides, "settings": settings}
-        for section in (self.look, pictures, sides, self.mesh_section, settings):
+        for section in (self.look, pictures, sides, self.mesh_section, settings, self._orders()):
             self.add(section)
+        self.add(self._report())
         self.show_nothing("")
 
     # ------------------------------------------------------------------ tables
@@ -120,7 +126,79 @@ class ComparePanel(Panel):
             parent=self,
         )  # fmt: skip
 
+    def _orders(self) -> Section:
+        self.plot = ConvergencePlot(self)
+        self.plot.hide()
+        self.convergence_button = QPushButton(self.tr("Measure convergence"), self)
+        self.convergence_button.setToolTip(
+            self.tr("Draw each view at several steps and fit how its error falls (in a process of its own)")
+        )
+        self.convergence_button.clicked.connect(self.convergence_wanted)
+        section = Section(self.tr("Convergence"), parent=self)
+        section.add_wide(self.plot)
+        section.add_wide(self.convergence_button)
+        return section
+
+    def _report(self) -> Section:
+        section = Section(self.tr("Report"), parent=self)
+        self.report_button = QPushButton(self.tr("Write report…"), self)
+        self.report_button.setToolTip(
+            self.tr("All views with pictures, differences, figures and settings, as one page (or JSON, CSV)")
+        )
+        self.report_button.clicked.connect(self.report_wanted)
+        self.open_button = QPushButton(self.tr("Open the report"), self)
+        self.open_button.setToolTip(self.tr("Show the report that was written in the browser"))
+        self.open_button.clicked.connect(self.open_wanted)
+        self.open_button.hide()
+        self.work = quiet_label("", self)
+        self.work.setWordWrap(True)
+        self.bar = QProgressBar(self)
+        self.bar.setTextVisible(False)
+        self.bar.setRange(0, 1000)
+        self.bar.setFixedHeight(8)
+        self.bar.setAccessibleName(self.tr("Progress of the report or of the convergence"))
+        self.cancel_button = QPushButton(self.tr("Cancel"), self)
+        self.cancel_button.setToolTip(self.tr("Give up what is being drawn and measured"))
+        self.cancel_button.clicked.connect(self.work_cancelled)
+        for widget in (self.report_button, self.open_button, self.work, self.bar, self.cancel_button):
+            section.add_wide(widget)
+        self.show_work(None, "")
+        return section
+
     # ------------------------------------------------------------------ showing
+
+    def show_work(self, fraction: float | None, words: str) -> None:
+        """How far a report or the convergence is, None when nothing is under way."""
+        running = fraction is not None
+        for widget in (self.bar, self.cancel_button):
+            widget.setVisible(running)
+        self.work.setVisible(running)
+        self.work.setText(words or self.tr("Starting…"))
+        if fraction is not None:
+            self.bar.setValue(round(1000 * fraction))
+            self.open_button.hide()
+        self.report_button.setEnabled(self._several and not running)
+        self.convergence_button.setEnabled(self._several and not running)
+
+    def show_report(self, name: str) -> None:
+        """A report has been written."""
+        self.work.setText(self.tr("Written: %1").replace("%1", name))
+        self.work.show()
+        self.open_button.show()
+
+    def show_convergence(self, curves: list[Curve]) -> None:
+        """Show how errors fall; none when nothing was measured, or it no longer holds."""
+        self.plot.set_curves(curves)
+        self.plot.setVisible(bool(curves))
+
+    def set_several(self, several: bool) -> None:
+        """Whether there is anything to compare."""
+        self._several = several
+        for button in (self.time_button, self.match_button):
+            button.setEnabled(several)
+        idle = self.cancel_button.isHidden()
+        for button in (self.report_button, self.convergence_button):
+            button.setEnabled(several and idle)
 
     def show_nothing(self, words: str) -> None:
         """There is nothing to compare, and why."""

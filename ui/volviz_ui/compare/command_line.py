@@ -1,0 +1,123 @@
+"""The views of the window as arguments of ``volviz compare``: what makes a report can make it again. No Qt."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+from volviz.custom_gl.settings import SharedSettings
+from volviz.model.camera import Camera
+from volviz.model.light import Light
+from volviz.model.parameters import Parameter, parameters_of
+from volviz.model.scene import Scene, VolumeRef
+from volviz_ui.panels.technique_box import current_settings, current_technique
+
+
+def compare_arguments(
+    scene: Scene, size: tuple[int, int], function_file: str, output: str, options: tuple[str, ...] = ()
+) -> list[str]:
+    """Arguments that follow ``volviz``.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a layer, at least two views and a camera.
+    size : tuple of 2 ints
+        Width and height of the pictures.
+    function_file : str
+        A file that holds the transfer function.
+    output : str
+        The report.
+    options : tuple of str
+        Further ones, such as ``--convergence``.
+    """
+    layer, camera = scene.layer, scene.view.camera
+    if layer is None or camera is None:
+        raise ValueError("a scene without volume or camera shows nothing to report on")
+    words = ["compare", layer.volume.source, *hint_words(layer.volume)]
+    for view in range(len(scene.views)):
+        info, settings = current_technique(scene, view), current_settings(scene, view)
+        parts = [info.id]
+        for parameter in info.parameters:
+            value = getattr(settings, parameter.name)
+            if value != parameter.default:
+                parts.append(f"{parameter.name}={setting_text(parameter, value)}")
+        words += ["-t", ":".join(parts)]
+    for text in shared_texts(scene):
+        words += ["--set", text]
+    words += [
+        f"--transfer-function={function_file}",
+        f"--size={size[0]}x{size[1]}",
+        *camera_words(camera),
+        "--unmatched",
+        *options,
+    ]
+    if scene.background is not None:
+        words.append(
+            "--background=#" + "".join(f"{round(255 * channel):02x}" for channel in scene.background)
+        )
+    return [*words, "-o", output]
+
+
+def setting_text(parameter: Parameter, value: Any) -> str:
+    """A value as `Parameter.parse` reads it, without losing a digit."""
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float, str)):
+        return str(value)
+    if parameter.kind == "planes":
+        return ";".join(_numbers((*origin, *normal)) for origin, normal in value)
+    if parameter.kind == "colors":
+        return ";".join(_numbers(color) for color in value)
+    return _numbers(value)
+
+
+def shared_texts(scene: Scene) -> list[str]:
+    """Light, crop box and clip planes as ``name=value``."""
+    described = {p.name: p for p in parameters_of(SharedSettings)}
+    light, clipping = scene.light, scene.clipping
+    values: dict[str, Any] = {}
+    if light.position is not None:
+        values["light_position"] = light.position
+    values["headlight"] = light.headlight
+    if light.color != Light().color:
+        values["light_color"] = light.color
+    if clipping.crop is not None:
+        values["crop"] = clipping.crop
+    if clipping.planes:
+        values["clip_planes"] = clipping.planes
+    return [f"{name}={setting_text(described[name], value)}" for name, value in values.items()]
+
+
+def camera_words(camera: Camera) -> list[str]:
+    """The camera; a parallel one stands where its scale follows from the angle of view."""
+    position = camera.position
+    if camera.parallel:
+        distance = camera.scale / math.tan(math.radians(camera.view_angle) / 2)
+        position = tuple(  # type: ignore[assignment]
+            f - distance * d for f, d in zip(camera.focal_point, camera.direction, strict=True)
+        )
+    numbers = _numbers((*position, *camera.focal_point, *camera.view_up))
+    words = [f"--camera={numbers}", f"--view-angle={camera.view_angle!r}"]
+    return [*words, "--parallel"] if camera.parallel else words
+
+
+def hint_words(ref: VolumeRef) -> list[str]:
+    """How to read the volume."""
+    words = []
+    for name, value in ref.hints:
+        text = ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
+        words.append(f"--{name}={text}")
+    return words
+
+
+def function_name(output: Path) -> str:
+    """Name of the file with the transfer function beside a report, so that its command works again."""
+    return f"{output.stem}.transfer-function.json"
+
+
+def _numbers(values: Any) -> str:
+    return ",".join(repr(float(value)) for value in values)

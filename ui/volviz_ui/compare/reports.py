@@ -1,0 +1,156 @@
+"""Reports and convergence for the window: what is shown goes to ``volviz compare``, the answer comes back."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import QObject, QTemporaryDir, QUrl
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtWidgets import QFileDialog
+
+from volviz.errors import VolvizError
+from volviz.model.scene import Scene
+from volviz.model.tf_formats import write_transfer_function
+from volviz_ui.compare.command_line import compare_arguments, function_name
+from volviz_ui.compare.convergence_plot import Curve
+from volviz_ui.compare.panel import ComparePanel
+from volviz_ui.compare.report_process import CompareProcess
+from volviz_ui.dialogs.error import show_error
+
+if TYPE_CHECKING:
+    from volviz_ui.main_window import MainWindow
+
+KINDS = "HTML (*.html);;JSON (*.json);;CSV (*.csv)"
+CONVERGENCE_SIZE = (240, 180)
+"""Pictures from which orders of convergence are fitted."""
+
+
+class Reports(QObject):
+    """Runs one comparison at a time in a process of its own; its button ends it again."""
+
+    def __init__(self, window: MainWindow, panel: ComparePanel) -> None:
+        super().__init__(window)
+        self._window = window
+        self._panel = panel
+        self._report: Path | None = None
+        self._folder: QTemporaryDir | None = None
+        self.process = CompareProcess(self)
+        self.process.progressed.connect(panel.show_work)
+        self.process.finished.connect(self._on_finished)
+        self.process.failed.connect(self._on_failed)
+        panel.report_wanted.connect(self.write_report)
+        panel.open_wanted.connect(self.open_report)
+        panel.convergence_wanted.connect(self.converge)
+        panel.work_cancelled.connect(self.cancel)
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a report is being written, or convergence is being measured."""
+        return self.process.is_running
+
+    # ------------------------------------------------------------------ beginning
+
+    def write_report(self) -> None:
+        """Ask for a file and write the report of all views."""
+        if not self._can_start():
+            return
+        start = str(Path(self._window.preferences.folder) / "comparison.html")
+        path, _filter = QFileDialog.getSaveFileName(
+            self._window, self.tr("Write a report of the comparison"), start, KINDS
+        )
+        if path:
+            target = Path(path)
+            self.save(target if target.suffix else target.with_suffix(".html"))
+
+    def save(self, path: Path) -> bool:
+        """Write the report of all views to a file, with the transfer function beside it."""
+        self._report, self._folder = path, None
+        return self._start(path, self._window.viewport.pixel_size, ())
+
+    def converge(self) -> None:
+        """Draw all views at several steps or bisections, and fit how their errors fall."""
+        if not self._can_start():
+            return
+        folder = QTemporaryDir()
+        self._report, self._folder = None, folder
+        output = Path(folder.path()) / "convergence.json"
+        self._start(output, CONVERGENCE_SIZE, ("--convergence", "--frames=0"))
+
+    def _can_start(self) -> bool:
+        scene = self._window.store.scene
+        return not self.is_running and scene.layer is not None and len(scene.views) > 1
+
+    def _start(self, output: Path, size: tuple[int, int], options: tuple[str, ...]) -> bool:
+        scene: Scene = self._window.store.scene
+        if scene.layer is None or scene.view.camera is None or len(scene.views) < 2:
+            return False
+        name = function_name(output)
+        try:
+            write_transfer_function(scene.layer.transfer_function, output.parent / name)
+        except VolvizError as error:
+            show_error(self._window, self.tr("The report was not written"), error)
+            return False
+        self._panel.show_work(0.0, "")
+        self.process.start(compare_arguments(scene, size, name, output.name, options), output.parent)
+        return True
+
+    # ------------------------------------------------------------------ ending
+
+    def cancel(self) -> None:
+        """Give up what is under way; a report that is not finished leaves nothing behind."""
+        self.process.cancel()
+        self._drop()
+        self._panel.show_work(None, "")
+
+    def _on_finished(self) -> None:
+        folder, self._folder = self._folder, None
+        self._panel.show_work(None, "")
+        if folder is None and self._report is not None:
+            self._panel.show_report(self._report.name)
+            return
+        if folder is not None:
+            text = (Path(folder.path()) / "convergence.json").read_text(encoding="utf-8")
+            self._panel.show_convergence(curves_of(json.loads(text)))
+
+    def _on_failed(self, words: str) -> None:
+        converging = self._folder is not None
+        self._drop()
+        self._panel.show_work(None, "")
+        title = (
+            self.tr("Convergence was not measured") if converging else self.tr("The report was not written")
+        )
+        show_error(self._window, title, VolvizError(words))
+
+    def open_report(self) -> None:
+        """Show the report in the browser."""
+        if self._report is not None:
+            QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._report.absolute())))
+
+    def close(self) -> None:
+        """The window closes."""
+        if self.is_running:
+            self.process.cancel()
+            self._drop()
+
+    def _drop(self) -> None:
+        """Take away what was written for a comparison that has not been finished."""
+        if self._folder is None and self._report is not None:
+            (self._report.parent / function_name(self._report)).unlink(missing_ok=True)
+        self._folder = self._report = None
+
+
+def curves_of(report: dict[str, Any]) -> list[Curve]:
+    """The convergence of a report (`volviz.compare.results`, as JSON) as curves; missing numbers are NaN."""
+    return [
+        Curve(
+            str(row["name"]),
+            tuple(float(d) for d in row["distances"]),
+            tuple(float(e) for e in row["errors"]),
+            math.nan if row["fitted"][0] is None else float(row["fitted"][0]),
+            math.nan if row["slope"] is None else float(row["slope"]),
+        )
+        for row in report["convergence"]
+    ]
