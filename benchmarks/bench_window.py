@@ -111,13 +111,14 @@ class GapWatch:
         self._where = where
         self._timer = QTimer()
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
-        self._timer.timeout.connect(self._tick)
+        self._timer.timeout.connect(self.tick)
         self._timer.start(TICK_MS)
         self._gui = threading.get_ident()
         if where:
             threading.Thread(target=self._look, daemon=True).start()
 
-    def _tick(self) -> None:
+    def tick(self) -> None:
+        """The event loop has turned."""
         now = time.perf_counter()
         late, self._last = now - self._last, now
         self.longest = max(self.longest, late)
@@ -197,6 +198,7 @@ class Session:
             if time.perf_counter() - begin > limit:
                 raise TimeoutError("the window did not get there")
             self.application.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents)
+            self.gaps.tick()
 
     def settle(self) -> float:
         """Wait for the complete picture; seconds it took to come."""

@@ -18,6 +18,7 @@ from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.mesh_drawing import blocks, store, technique
 from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish
 from volviz.errors import RenderError
+from volviz.kernels import marching
 from volviz.kernels.marching import marching_cubes
 from volviz.offscreen import apply_camera
 
@@ -40,7 +41,7 @@ class SlowExtraction:
         self.go = threading.Event()
         self.isovalues: list[float] = []
         self.strides: list[int] = []
-        monkeypatch.setattr(store, "marching_cubes", self)
+        monkeypatch.setattr(marching, "marching_cubes", self)
 
     def __call__(self, scalars: Any, isovalue: float, **options: Any) -> Any:
         self.isovalues.append(isovalue)
@@ -169,7 +170,7 @@ def test_what_the_extraction_raises_is_reported(monkeypatch: pytest.MonkeyPatch)
     def fail(*_: Any, **__: Any) -> Any:
         raise RenderError("there is no memory left for the mesh; choose a larger stride.")
 
-    monkeypatch.setattr(store, "marching_cubes", fail)
+    monkeypatch.setattr(marching, "marching_cubes", fail)
     with shown(field(), isovalue=0.4) as (_, handle), pytest.raises(RenderError, match="larger stride"):
         handle.raise_error()
 
@@ -195,7 +196,7 @@ def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.Monk
     monkeypatch.setattr(technique, "STAND_IN_TRIANGLES", 1500)
     monkeypatch.setattr(technique, "STAND_IN_TRIANGLES_HARDWARE", 1500)
     # a machine so slow that full pictures are out of the question
-    monkeypatch.setattr(CostModel, "level", lambda self, quality: Level(0.5))
+    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
     monkeypatch.setattr(technique, "STAND_IN_PATIENCE", 30.0)
     drawn: list[int] = []
     draw = blocks.MeshBlocks.draw
@@ -223,7 +224,7 @@ def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.Monk
 
 
 def test_small_meshes_need_no_stand_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(CostModel, "level", lambda self, quality: Level(0.5))
+    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
     with shown(volviz.Volume(blobs(dtype=np.float32)), Pacer(), isovalue=0.4) as (window, handle):
         complete(window, handle)
         slow = SlowExtraction(monkeypatch)

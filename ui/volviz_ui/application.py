@@ -11,6 +11,9 @@ from PySide6.QtWidgets import QApplication
 
 from volviz_ui.app_icon import app_icon
 
+SWITCH_SECONDS = 0.0005
+"""Time after which a worker hands over the interpreter's lock to the window."""
+
 
 def prepare_opengl() -> None:
     """Say which OpenGL all windows use; before the application object exists.
@@ -41,6 +44,9 @@ def show_message(_kind: QtMsgType, _context: QMessageLogContext, text: str) -> N
 def make_application() -> QApplication:
     """The application object, with name and icon."""
     prepare_opengl()
+    # the window takes the interpreter's lock back after every call of Qt: while a worker imports or compiles kernels,
+    # with the usual 5 ms each a repaint of a few dozen calls would take a fifth of a second
+    sys.setswitchinterval(SWITCH_SECONDS)
     qInstallMessageHandler(show_message)
     application = QApplication(["volviz"])
     application.setApplicationName("VolViz")

@@ -145,6 +145,10 @@ class MainWindow(QMainWindow):
         self._pick_timer.setInterval(PICK_DELAY_MS)
         self._pick_timer.timeout.connect(self._pick)
 
+        self._panel_timer = QTimer(self)
+        self._panel_timer.setSingleShot(True)
+        self._panel_timer.setInterval(0)
+        self._panel_timer.timeout.connect(lambda: self.technique_panel.set_volume(self.documents.volume))
         self._memory_timer = QTimer(self)
         self._memory_timer.setSingleShot(True)
         self._memory_timer.setInterval(MEMORY_DELAY_MS)
@@ -315,7 +319,8 @@ class MainWindow(QMainWindow):
         self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
         self.views.set_volume(volume, layer.transfer_function if layer else None)
         self.data_panel.set_volume(volume)
-        self.technique_panel.set_volume(volume)
+        # its widgets are made anew, which has time until the next turn of the event loop
+        self._panel_timer.start()
         self.transfer_editor.set_volume(volume)
         self.thumbnails.set_volume(volume)
         self.isovalues.set_volume(volume)
@@ -531,6 +536,7 @@ class MainWindow(QMainWindow):
             self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
         self._pick_timer.stop()
         self._memory_timer.stop()
+        self._panel_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
         self.ray_inspector.close()

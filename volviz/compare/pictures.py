@@ -13,7 +13,6 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from volviz.errors import InputError
 
@@ -268,6 +267,9 @@ def _channel(picture: Float64Array, channel: Channel) -> Float64Array:
 
 def _ssim(a: Float64Array, b: Float64Array, *, gaussian: bool) -> tuple[Float64Array, Float64Array]:
     """The map of all channels, and its part whose windows lie in the picture."""
+    # here: the window imports this module and compares pictures only on request
+    from scipy import ndimage
+
     window = GAUSSIAN_WINDOW if gaussian else SQUARE_WINDOW
     if min(a.shape[:2]) < window:
         raise InputError(

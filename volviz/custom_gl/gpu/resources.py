@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
 
 #: Bytes uploaded at once, so that the GUI thread is never held up for long.
-SLAB_BYTES = 16 * 2**20
+SLAB_BYTES = 4 * 2**20
 PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
 

@@ -41,6 +41,9 @@ from volviz.model.volume import Volume
 #: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that
 #: all of its threads have work, and short enough to be interrupted.
 TILE = (256, 64)
+#: The same where a large one is expected to take longer than this many seconds.
+SMALL_TILE = (128, 64)
+CHUNK_SECONDS = 0.012
 #: Seconds of upload within a frame, so that a gesture that begins too early does not stay blind.
 UPLOAD_SECONDS = 0.03
 #: Targets of different sizes that are kept: full, and some levels of interaction.
@@ -387,14 +390,17 @@ class VolumeHandle:
             # let the thread that prepares the volume have the interpreter
             time.sleep(min(budget, 0.004))
             return False
-        resources = self._ready_resources()
-        if not self._upload(resources, budget):
+        if not self._has_resources():
+            # making the texture takes as long as a turn may
+            self._ready_resources()
+            return False
+        if not self._upload(self._ready_resources(), budget):
             return False
         key = self._key()
         if self._picture is not None and self._picture.key == key and self._picture.level == FULL:
             return True
         if self._refinement is None or self._refinement.key != key:
-            frame = self._frame(FULL)
+            frame = self._frame(FULL, self._tile())
             chunks = self._plan(frame)
             if not chunks:
                 self._report_waiting()
@@ -410,7 +416,8 @@ class VolumeHandle:
             work.done += 1
             now = time.perf_counter()
             work.seconds += now - chunk_begin
-            if now - begin > budget:
+            # the next one will take about as long
+            if 2 * now - chunk_begin - begin > budget:
                 break
         if work.done < work.chunks:
             shown = self._picture.level.fraction if self._picture else 0.0
@@ -421,6 +428,15 @@ class VolumeHandle:
         self._refinement = None
         self._report(FrameStatus(1.0, work.seconds, True, 1.0))
         return True
+
+    def _tile(self) -> tuple[int, int]:
+        """Size of the tiles of a full picture: smaller ones where large ones would hold up the event loop."""
+        expected = self._cost.full_seconds
+        if expected is None:
+            return TILE
+        width, height, _, _ = self._viewport()
+        tiles = -(-width // TILE[0]) * -(-height // TILE[1])
+        return TILE if expected <= CHUNK_SECONDS * tiles else SMALL_TILE
 
     def _upload(self, resources: VolumeResources | NoTextures, budget: float) -> bool:
         """Upload scalars for about `budget` seconds; True when all are there."""
@@ -573,13 +589,14 @@ class VolumeHandle:
             self._technique = made
         return self._technique
 
-    def _is_prepared(self) -> bool:
-        """Whether textures of the volume can be made without computing them here first."""
+    def _has_resources(self) -> bool:
         if not self._info.uses_textures:
             return True
-        if self._resources is not None and self._resources.volume is self._volume:
-            return True
-        return is_prepared(self._volume, *texel_limits(self._gpu.gpu, self._volume))
+        return self._resources is not None and self._resources.volume is self._volume
+
+    def _is_prepared(self) -> bool:
+        """Whether textures of the volume can be made without computing them here first."""
+        return self._has_resources() or is_prepared(self._volume, *texel_limits(self._gpu.gpu, self._volume))
 
     def _ready_resources(self) -> VolumeResources | NoTextures:
         needed = self._info.uses_textures

@@ -53,8 +53,9 @@ LEVELS = (
 #: Seconds that our part of an interactive frame may take: 15 frames a second leave 66 ms for everything, and VTK's
 #: part and the window system's take some 35 of them on software OpenGL.
 BUDGET = {"fast": 0.012, "balanced": 0.022, "full": math.inf}
-#: Level of the very first interactive frame, when nothing is known of the cost yet.
-FIRST_LEVEL = Level(0.25, 2.0)
+#: Level of the very first interactive frame, when nothing is known of the cost yet: the coarsest, since that frame may
+#: have to wait for shaders too.
+FIRST_LEVEL = LEVELS[-1]
 
 
 class Pacer(Protocol):

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.techniques.bump_mapping.surfaces import VERTEX_FLOATS
-from volviz.kernels.marching import marching_cubes
 from volviz.kernels.tangents import box_projection, vertex_tangents
 from volviz.model.volume import Volume
 
@@ -52,6 +51,9 @@ def isosurface_mesh(
     cancel : callable, optional
         When it returns True the work ends with `Cancelled`.
     """
+    # here, with the first mesh: it imports numba
+    from volviz.kernels.marching import marching_cubes
+
     middle = np.asarray(volume.center)
     largest = max(2, min(volume.dimensions) - 1)
     vertices, faces, normals = marching_cubes(
