@@ -22,6 +22,7 @@ from volviz_ui.autosave import Autosave
 from volviz_ui.banner import Banner
 from volviz_ui.binding import show_value
 from volviz_ui.compare.commands import CompareCommands
+from volviz_ui.compare.crosscheck import CrosscheckPanel
 from volviz_ui.compare.measurements import Measurements
 from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.reports import Reports
@@ -114,6 +115,7 @@ class MainWindow(QMainWindow):
         self.ray_panel = RayPanel(self)
         self.compare_commands = CompareCommands(self)
         self.compare_panel = ComparePanel(self.store, self.compare_commands, self)
+        self.crosscheck_panel = CrosscheckPanel(self.store, self.workers, self)
         self.transfer_editor.counter.workers.gate = self.gate
         self.docks = self._make_docks()
         self.thumbnails = Thumbnails(self.workers, self)
@@ -189,6 +191,9 @@ class MainWindow(QMainWindow):
         self.splitDockWidget(transfer, self.ray_dock, Qt.Orientation.Horizontal)
         self.ray_dock.hide()
         self.ray_dock.toggleViewAction().setShortcut("Ctrl+I")
+        self.crosscheck_dock = Dock("crosscheck_dock", self.tr("Cross-check"), self.crosscheck_panel, self)
+        self.tabifyDockWidget(transfer, self.crosscheck_dock)
+        self.crosscheck_dock.hide()
         self.ray_dock.toggleViewAction().setToolTip(
             self.tr("Follow the ray behind a pixel, sample by sample: click in the picture")
         )
@@ -200,7 +205,7 @@ class MainWindow(QMainWindow):
         self.compare_dock.toggleViewAction().setToolTip(
             self.tr("How two views are compared, and what is measured of them")
         )
-        return [data, technique, transfer, self.ray_dock, self.compare_dock]
+        return [data, technique, transfer, self.ray_dock, self.compare_dock, self.crosscheck_dock]
 
     def _connect(self) -> None:
         for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
@@ -215,6 +220,9 @@ class MainWindow(QMainWindow):
         self.surface.work_changed.connect(section.show_work)
         section.cancel_wanted.connect(self.surface.cancel)
         section.export_wanted.connect(self.file_commands.export_mesh)
+        self.crosscheck_dock.toggleViewAction().triggered.connect(
+            lambda shown: shown and self.crosscheck_dock.raise_()
+        )
         self.documents.volume_changed.connect(self._on_volume_changed)
         self.documents.opened.connect(self._on_opened)
         self.documents.failed.connect(self._on_failed_to_open)
@@ -286,6 +294,9 @@ class MainWindow(QMainWindow):
         self.ray_dock.setFloating(False)
         self.splitDockWidget(self.docks[2], self.ray_dock, Qt.Orientation.Horizontal)
         self.ray_dock.hide()
+        self.crosscheck_dock.setFloating(False)
+        self.tabifyDockWidget(self.docks[2], self.crosscheck_dock)
+        self.crosscheck_dock.hide()
         self.compare_dock.setFloating(False)
         self.tabifyDockWidget(self.docks[0], self.compare_dock)
         self.compare_dock.hide()
@@ -321,6 +332,7 @@ class MainWindow(QMainWindow):
         self.data_panel.set_volume(volume)
         # its widgets are made anew, which has time until the next turn of the event loop
         self._panel_timer.start()
+        self.crosscheck_panel.set_volume(volume)
         self.transfer_editor.set_volume(volume)
         self.thumbnails.set_volume(volume)
         self.isovalues.set_volume(volume)

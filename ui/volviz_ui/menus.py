@@ -90,6 +90,7 @@ class Menus:
         compare = bar.addMenu(window.tr("&Compare"))
         compare.addActions([actions.one_view, actions.split, actions.four_views, actions.with_vtk])
         compare.addAction(window.compare_dock.toggleViewAction())
+        compare.addAction(window.crosscheck_dock.toggleViewAction())
         compare.addSeparator()
         compare.addActions(actions.modes)
         compare.addSeparator()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -166,17 +167,24 @@ def explain_differences(
     strange = np.bincount(columns[1], (sides[1][1] >= len(ours[0])).any(axis=1), minlength=len(cells)) > 0
     case, on_sample = _cases(cells, volume, isovalue)
     reasons = np.select([strange, on_sample, closes], ["vertices", "sample", "diagonals"], "connection")
-    groups: dict[tuple[int, tuple[int, ...], str], list[int]] = {}
-    for place, (number_of_case, reason) in enumerate(zip(case.tolist(), reasons.tolist(), strict=True)):
-        kind = (number_of_case.bit_count(), _polygons(number_of_case), str(reason))
-        groups.setdefault(kind, []).append(place)
+    which = np.unique(reasons, return_inverse=True)[1]
+    groups: dict[tuple[int, tuple[int, ...], str], list[Array]] = {}
+    kinds = 256 * which.reshape(-1) + case
+    order = np.argsort(kinds, kind="stable")
+    edges = np.flatnonzero(np.diff(kinds[order], prepend=-1))
+    for members in np.split(order, edges[1:]):
+        number_of_case, reason = int(case[members[0]]), str(reasons[members[0]])
+        kind = (number_of_case.bit_count(), _polygons(number_of_case), reason)
+        groups.setdefault(kind, []).append(members)
     differences = [
         CaseDifference(
             inside, polygons, reason, len(places),
             int(counts[0][places].sum()), int(counts[1][places].sum()),
             float((areas[0][places] - areas[1][places]).sum()),
         )
-        for (inside, polygons, reason), places in groups.items()
+        for (inside, polygons, reason), places in (
+            (kind, np.sort(np.concatenate(members))) for kind, members in groups.items()
+        )
     ]  # fmt: skip
     return common, tuple(
         sorted(differences, key=lambda d: (-d.cells, d.inside_corners, d.polygons, d.reason))
@@ -197,12 +205,28 @@ def _turned(faces: Array) -> Array:
 
 def _missing(triangles: Array, others: Array) -> Array:
     """Tell which triangles are not among the others."""
-    names = _names(np.concatenate([triangles, others]))
-    return ~np.isin(names[: len(triangles)], names[len(triangles) :])
+    keys = _keys(np.concatenate([triangles, others]))
+    wanted, there = keys[: len(triangles)], np.sort(keys[len(triangles) :])
+    if not len(there):
+        return np.ones(len(triangles), bool)
+    place = np.minimum(np.searchsorted(there, wanted), len(there) - 1)
+    return np.asarray(there[place] != wanted)
+
+
+def _keys(rows: Array) -> Array:
+    """One number for each different row of non-negative integers, ascending in lexical order, not dense."""
+    limits = [int(column.max(initial=0)) + 1 for column in rows.T]
+    if math.prod(limits) >= 2**63:
+        return _names(rows)
+    keys: Array = np.zeros(len(rows), np.int64)
+    for column, limit in zip(rows.T, limits, strict=True):
+        keys *= limit
+        keys += column
+    return keys
 
 
 def _names(rows: Array) -> Array:
-    """One number for each different row of non-negative integers, ascending in lexical order."""
+    """The same with the numbers 0, 1, 2 ..., for rows whose keys would not fit into 64 bits."""
     names: Array = np.zeros(len(rows), np.int64)
     for column in rows.T:
         values, ranks = np.unique(column, return_inverse=True)
@@ -238,10 +262,13 @@ def _closes(cells: Array, sides: list[tuple[Array, Array, Array]]) -> Array:
             direction = sign * np.where(a < b, 1, -1)
             rows.append(np.stack([owner, np.minimum(a, b), np.maximum(a, b), direction], axis=1))
     table = np.concatenate(rows)
-    names = _names(table[:, :3])
-    balance = np.bincount(names, table[:, 3])
+    keys = _keys(table[:, :3])
+    order = np.argsort(keys)
+    ordered = keys[order]
+    first = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
+    balance = np.add.reduceat(table[order, 3], first)
     closes = np.ones(len(cells), bool)
-    closes[np.searchsorted(cells, table[balance[names] != 0, 0])] = False
+    closes[np.searchsorted(cells, table[order[first[balance != 0]], 0])] = False
     return closes
 
 

@@ -90,7 +90,8 @@ def distances_to_surface(
     """
     queries = np.ascontiguousarray(points, np.float64)
     corners, triangles = _mesh(vertices, faces)
-    triangles = triangles[_curve_order(corners[triangles].mean(axis=1))]
+    middles = corners[triangles[:, 0]] + corners[triangles[:, 1]] + corners[triangles[:, 2]]
+    triangles = triangles[_curve_order(middles)]
     leaves = 1 << max(0, int(np.ceil(np.log2(len(triangles) / LEAF))))
     boxes = np.empty((2 * leaves, 2, 3))
     boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
@@ -116,8 +117,11 @@ def _mesh(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> tuple[Array, Array]:
 
 def _samples(vertices: Array, faces: Array, most: int) -> Array:
     """Vertices in use and middles of the triangles, every n-th where there are too many."""
-    samples = np.concatenate([vertices[np.unique(faces)], vertices[faces].mean(axis=1)])
-    return np.asarray(samples[:: -(-len(samples) // most)])
+    used = np.flatnonzero(np.bincount(faces.ravel()))
+    chosen = np.arange(0, len(used) + len(faces), max(-(-(len(used) + len(faces)) // most), 1))
+    corners = faces[chosen[chosen >= len(used)] - len(used)]
+    middles = (vertices[corners[:, 0]] + vertices[corners[:, 1]] + vertices[corners[:, 2]]) / 3.0
+    return np.concatenate([vertices[used[chosen[chosen < len(used)]]], middles])
 
 
 def _curve_order(points: Array) -> Array:

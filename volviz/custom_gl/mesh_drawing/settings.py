@@ -72,9 +72,8 @@ class MeshSettings:
     )
     part_triangles: int = parameter(
         100,
-        "At least",
-        "Parts with fewer triangles than this are left out.",
-        unit="triangles",
+        "Triangles",
+        "How many a part must have to be kept; parts with fewer are left out.",
         group="Filters",
         minimum=1,
         soft_maximum=100_000,
