@@ -9,7 +9,7 @@ import pytest
 
 from volviz.model.presets import preset, preset_for
 from volviz.model.volume import Volume
-from volviz_ui.thumbnails import SIDE, coarse_copy, drawn, drawn_with
+from volviz_ui.thumbnails import ASPECT, SIDE, coarse_copy, drawn, drawn_with, framed
 
 
 @pytest.fixture(scope="module")
@@ -59,3 +59,26 @@ def test_techniques_and_their_settings_change_the_picture(
 def test_an_unknown_technique_has_no_picture_of_its_own(shells: Volume) -> None:
     chosen = replace(preset("mri"), technique="nowhere")
     assert drawn_with(chosen, coarse_copy(shells), preset_for(chosen, shells), shells) is None
+
+
+def test_a_stack_of_few_slices_is_seen_from_the_front() -> None:
+    data = np.zeros((4, 60, 60), np.uint8)
+    data[:, 5:15, 40:50] = 200
+    stack = Volume(data)
+    for technique in (None, "raycast"):
+        chosen = replace(preset("mri"), technique=technique)
+        function, coarse = preset_for(chosen, stack), coarse_copy(stack)
+        picture = (
+            drawn(coarse, function, stack)
+            if technique is None
+            else drawn_with(chosen, coarse, function, stack)
+        )
+        rows, columns = np.nonzero(np.abs(picture - picture[-1, 0]).sum(axis=-1) > 0.1)
+        # the first rows of a slice are at the top, as microscopes and scanners show them
+        assert rows.mean() < 0.3 * picture.shape[0]
+        assert columns.mean() > 0.6 * picture.shape[1]
+        frame = framed(picture)
+        assert frame.shape[1] / frame.shape[0] == pytest.approx(ASPECT, rel=0.03)
+        assert frame.sum() == pytest.approx(
+            picture.sum() + (frame.size - picture.size) / 3 * sum(frame[0, 0]), rel=1e-6
+        )

@@ -29,6 +29,11 @@ SIDE = 72
 BACKGROUND = (0.11, 0.12, 0.14)
 SURFACE = (0.87, 0.79, 0.65)
 """Colour of surfaces."""
+FLAT = 0.5
+"""A volume is a stack of slices when its depth is less than this share of its width and height."""
+ASPECT = 104 / 72
+"""Width divided by height of a picture of a preset."""
+
 Deliver = Callable[[QImage], None]
 
 
@@ -63,13 +68,17 @@ class Thumbnails(QObject):
         def arrived(result: Any) -> None:
             if volume is self._volume:
                 self._coarse = result[0]
-                deliver(image_of(result[1]))
+                deliver(image_of(framed(result[1])))
 
         self._workers.start(work).succeeded.connect(arrived)
 
 
 def coarse_copy(volume: Volume) -> npt.NDArray[np.float32]:
-    """Every n-th voxel so that the longest world axis has about `SIDE`; shape (z, y, x), cubic cells."""
+    """Every n-th voxel, in cubic cells of which the longest axis has about `SIDE`; to be seen along the middle axis.
+
+    That is y, as in the first view: shape (z, y, x). A stack of few slices is turned so that one looks at
+    its slices and not at their edges: (y, z, x) with the first row at the top, or (z, x, y).
+    """
     longest = max(volume.extent) / SIDE
     index = [
         np.minimum(np.arange(0, n, max(longest / spacing, 1e-9)), n - 1).astype(np.intp)
@@ -77,7 +86,23 @@ def coarse_copy(volume: Volume) -> npt.NDArray[np.float32]:
     ]
     coarse = volume.array[np.ix_(index[2], index[1], index[0])].astype(np.float32)
     coarse[~np.isfinite(coarse)] = volume.range[0]
+    x, y, z = volume.extent
+    if z < FLAT * min(x, y):
+        return np.ascontiguousarray(coarse[:, ::-1].transpose(1, 0, 2))
+    if x < FLAT * min(y, z):
+        return np.ascontiguousarray(coarse.transpose(0, 2, 1))
     return coarse
+
+
+def framed(picture: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """The picture in the middle of one of the proportions that presets are shown in, on the background."""
+    height, width = picture.shape[:2]
+    rows, columns = max(height, round(width / ASPECT)), max(width, round(height * ASPECT))
+    frame = np.empty((rows, columns, 3))
+    frame[:] = BACKGROUND
+    top, left = (rows - height) // 2, (columns - width) // 2
+    frame[top : top + height, left : left + width] = picture
+    return frame
 
 
 def drawn(
