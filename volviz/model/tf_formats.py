@@ -216,9 +216,12 @@ def _json(content: bytes, name: str) -> Preset:
         raise LoadError("it is not JSON.") from None
     if isinstance(data, list) and data:
         # ParaView exports a list of presets; the first one with colours counts
-        data = next((d for d in data if isinstance(d, dict) and "RGBPoints" in d), data[0])
+        maps = [d for d in data if isinstance(d, dict)]
+        data = next((d for d in maps if "RGBPoints" in d or "IndexedColors" in d), data[0])
     if not isinstance(data, dict):
         raise LoadError("it holds no transfer function.")
+    if "IndexedColors" in data and "RGBPoints" not in data:
+        return _preset(_indexed(data, str(data.get("Name") or name)), str(data.get("Name") or name))
     if "RGBPoints" in data or "Points" in data:
         function = _paraview(data, str(data.get("Name") or name))
         return _preset(function, function.name)
@@ -259,11 +262,28 @@ def _paraview(data: Mapping[str, Any], name: str) -> TransferFunction:
     )
 
 
+def _indexed(data: Mapping[str, Any], name: str) -> TransferFunction:
+    """A map of categories: its colours as equal flat pieces over the range of the data, opacity rising."""
+    rgb = np.clip(np.asarray(data["IndexedColors"], dtype=np.float64).reshape(-1, 3), 0.0, 1.0)
+    if not len(rgb) or not np.isfinite(rgb).all():
+        raise LoadError("its list of colours is empty or holds numbers that are not finite.")
+    edges = np.linspace(0.0, 1.0, len(rgb) + 1).tolist()
+    pieces = zip(edges[:-1], edges[1:], rgb.tolist(), strict=True)
+    points = [(v, (*color, v)) for low, high, color in pieces for v in (low, high)]
+    return TransferFunction.from_points(points, domain="relative", name=name)
+
+
 def _colors(rgb: npt.NDArray[np.float64], space: str) -> Lane:
     """Stops whose straight lines in RGB follow the lines of another colour space."""
     stops: list[Stop] = []
+    stepped = space.upper() == "STEP"
     for a, b in pairwise(rgb):
-        parts = 1 if space.upper() in ("RGB", "STEP") or a[0] == b[0] else 64
+        if stepped:
+            # between two points VTK shows the colour of the second one
+            first, second = (tuple(np.clip(row[1:], 0.0, 1.0).tolist()) for row in (a, b))
+            stops += [Stop(float(a[0]), first), Stop(float(a[0]), second)]
+            continue
+        parts = 1 if space.upper() == "RGB" or a[0] == b[0] else 64
         for k in range(parts):
             t = k / parts
             color = between(tuple(a[1:].tolist()), tuple(b[1:].tolist()), t, space)

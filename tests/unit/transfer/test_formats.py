@@ -116,6 +116,22 @@ def test_colours_follow_vtk_in_hsv_and_lab(tmp_path) -> None:
             np.testing.assert_allclose(found.evaluate([v])[0, :3], theirs.GetColor(v), atol=0.01)
 
 
+def test_steps_and_categories_are_flat_pieces(tmp_path) -> None:
+    from vtkmodules.vtkRenderingCore import vtkColorTransferFunction
+
+    rows = [-10, 1, 0, 0, 0, 0, 1, 0, 20, 0, 0, 1]
+    found = paraview(tmp_path, {"RGBPoints": rows, "ColorSpace": "Step"})
+    theirs = vtkColorTransferFunction()
+    theirs.SetColorSpaceToStep()
+    for row in np.reshape(rows, (-1, 4)):
+        theirs.AddRGBPoint(*row)
+    for v in (-12.0, -9.0, -0.1, 0.1, 11.0, 25.0):
+        np.testing.assert_allclose(found.evaluate([v])[0, :3], theirs.GetColor(v))
+    found = paraview(tmp_path, {"IndexedColors": [1, 0, 0, 0, 1, 0, 0, 0, 1], "Annotations": ["0", "a"]})
+    for v, color in ((0.0, (1, 0, 0)), (0.32, (1, 0, 0)), (0.34, (0, 1, 0)), (0.9, (0, 0, 1))):
+        np.testing.assert_allclose(found.evaluate([v])[0, :3], color)
+
+
 def test_a_midpoint_moves_where_half_of_the_opacity_is_reached(tmp_path) -> None:
     rows = {"RGBPoints": [0, 1, 1, 1, 10, 1, 1, 1], "Points": [0, 0, 0.2, 0, 10, 1, 0.5, 0]}
     found = paraview(tmp_path, rows)

@@ -133,7 +133,40 @@ def vessels_in_noise_with_a_sentinel() -> Volume:
     return Volume(values)
 
 
+def signed_distances() -> Volume:
+    return Volume((radius() - 0.6).astype(np.float32))
+
+
+def shell_below_zero() -> Volume:
+    noise = np.random.default_rng(11).normal(0, 100, (N, N, N))
+    return Volume((-5000 + 3000 * np.exp(-(((radius() - 0.6) / 0.08) ** 2)) + noise).astype(np.int16))
+
+
+def speckle_in_a_fan() -> Volume:
+    """Ultrasound: speckle, a bright wall, nothing outside of the fan."""
+    rng, axis = np.random.default_rng(12), np.linspace(-1, 1, N)
+    speckle = np.abs(1 + 0.5 * rng.normal(size=(N, N, N)))
+    values = (60 + 120 * (np.abs(radius() - 0.5) < 0.05)) * speckle
+    values[np.broadcast_to(np.abs(axis) > 0.5 - 0.4 * axis[:, None], (N, N, N))] = 0
+    return Volume(values.clip(0, 255).astype(np.uint8))
+
+
+def tracer() -> Volume:
+    """Emission tomography: counts, a warm body, three hot spots of which one is large and faint."""
+    rng, r = np.random.default_rng(13), radius()
+    axis = np.linspace(-1, 1, N)
+    mean = 0.6 * (r < 0.9)
+    for c, width, height in ((0.2, 0.12, 9.0), (-0.4, 0.06, 25.0), (0.0, 0.3, 2.0)):
+        spot = np.exp(-(((axis - c) / width) ** 2))
+        mean = mean + height * spot[:, None, None] * spot[:, None] * spot
+    return Volume((rng.poisson(8 * mean) / 8).astype(np.float32), unit="SUV")
+
+
 UNSEEN: dict[str, Callable[[], Volume]] = {
+    "signed distances": signed_distances,
+    "a shell below zero": shell_below_zero,
+    "speckle in a fan": speckle_in_a_fan,
+    "tracer": tracer,
     "ct": ct,
     "ct with a padded outside": lambda: ct(pad=-3024.0),
     "ct without its unit": lambda: ct(unit=""),
