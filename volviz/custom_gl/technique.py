@@ -299,10 +299,11 @@ class ImageTechnique(Protocol):
     stateless between calls, except for what lies in targets of the technique's own; the host may stop after any
     chunk and begin a new frame.
 
-    Two class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
+    Three class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
     buffer; `least_resolution` (float), linear fraction of the full resolution below which nothing gets cheaper,
-    for techniques that give up detail by `Frame.step_scale` instead. Two properties are: `mesh`, the triangles that
-    the last full picture showed; `progress` (float), how far the worker is that a `plan` of 0 waits for.
+    for techniques that give up detail by `Frame.step_scale` instead; `accumulates` (bool, True unless said), whether
+    the mean of pictures seen through other points of the pixels is a better one. Two properties are: `mesh`, the
+    triangles that the last full picture showed; `progress` (float), how far the worker is that a `plan` of 0 waits for.
     """
 
     def plan(self, frame: Frame) -> int:

@@ -7,6 +7,7 @@ uniform sampler2D t_picture;
 uniform sampler2D t_scene_depth;
 #endif
 uniform vec2 u_picture_size;
+uniform float u_weight;     // 1 / number of pictures summed up in it
 uniform vec2 u_depth_map;   // z_eye = x / (z_window - y) up to sign (perspective), see host
 
 in vec2 v_ndc;
@@ -22,10 +23,10 @@ float scene_depth(vec2 uv) {
 void main() {
     vec2 uv = v_ndc * 0.5 + 0.5;
 #if !ENLARGE
-    f_color = texelFetch(t_picture, ivec2(uv * u_picture_size), 0);
+    f_color = u_weight * texelFetch(t_picture, ivec2(uv * u_picture_size), 0);
 #elif !SCENE_DEPTH
     // nothing to keep apart: the texture's own linear filter
-    f_color = textureLod(t_picture, uv, 0.0);
+    f_color = u_weight * textureLod(t_picture, uv, 0.0);
 #else
     vec2 position = uv * u_picture_size - 0.5;
     vec2 low = floor(position);
@@ -43,6 +44,6 @@ void main() {
         sum += w * texelFetch(t_picture, ivec2(texel), 0);
         total += w;
     }
-    f_color = sum / total;
+    f_color = u_weight * sum / total;
 #endif
 }

@@ -15,6 +15,7 @@ from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.gpu.scalars import is_prepared
 from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.host.accumulation import Accumulation, jittered_camera, sample_phase
 from volviz.custom_gl.host.frame_uniforms import box_tiles, pixel_size, shared_uniforms
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
 from volviz.custom_gl.host.mesh_filters import filter_triangles
@@ -88,6 +89,9 @@ class VolumeHandle:
         Called with the new status, on the thread that draws.
     quality : {"fast", "balanced", "full"}
         How far resolution may drop while something moves.
+    accumulates : bool
+        Whether, with a pacer and at rest, further pictures follow the full one and their mean is shown
+        (`volviz.custom_gl.host.accumulation`).
     share : float
         Part of the time of an interactive frame that this volume may take, 0..1; less than 1 where several
         viewports are drawn together.
@@ -130,6 +134,8 @@ class VolumeHandle:
         self._resources: VolumeResources | None = None
         self._picture: _Picture | None = None
         self._refinement: _Refinement | None = None
+        self.accumulates = True
+        self._accumulation = Accumulation(id(self))
         self._interacting = 0
         self._cost = CostModel()
         self._depth = SceneDepth()
@@ -358,12 +364,15 @@ class VolumeHandle:
         """A gesture begins: pictures are drawn at a resolution that keeps up with it."""
         self._interacting += 1
         self._refinement = None
+        self._accumulation.interrupt()
 
     def end_interaction(self) -> None:
         """The gesture is over: the full picture follows."""
         self._interacting = max(self._interacting - 1, 0)
-        if self._interacting == 0 and not self.status.complete and self.pacer is not None:
-            self.pacer.request(self)
+        if self._interacting == 0 and self.pacer is not None:
+            picture = self._picture
+            if not self.status.complete or (picture is not None and self._more_pictures(picture.key)):
+                self.pacer.request(self)
 
     def refine(self, budget: float = 0.03) -> bool:
         """Draw further chunks of the full picture for about `budget` seconds.
@@ -371,8 +380,8 @@ class VolumeHandle:
         Returns
         -------
         bool
-            True when the full picture is ready (render the plotter once to see it) or when there is nothing
-            to do.
+            True when the full picture, or a mean of several, is ready (render the plotter once to see it), or
+            when there is nothing to do.
         """
         if self._removed or self._interacting or self.error is not None:
             return True
@@ -398,7 +407,7 @@ class VolumeHandle:
             return False
         key = self._key()
         if self._picture is not None and self._picture.key == key and self._picture.level == FULL:
-            return True
+            return self._refine_further(key, self._picture.target, budget)
         if self._refinement is None or self._refinement.key != key:
             frame = self._frame(FULL, self._tile())
             chunks = self._plan(frame)
@@ -437,6 +446,34 @@ class VolumeHandle:
         width, height, _, _ = self._viewport()
         tiles = -(-width // TILE[0]) * -(-height // TILE[1])
         return TILE if expected <= CHUNK_SECONDS * tiles else SMALL_TILE
+
+    def _refine_further(self, key: Any, first: Target, budget: float) -> bool:
+        """Draw pictures that follow the full one; only the window that has shown that one asks for them."""
+        if self.pacer is None:
+            return True
+        before = self._accumulation.count
+        shown = self._accumulation.refine(self, self._gpu.gpu, key, first, budget)
+        if self._accumulation.count != before and self._accumulation.average(key) is not None:
+            self._report(replace(self.status, samples=self._accumulation.count))
+        return shown
+
+    def _more_pictures(self, key: Any) -> bool:
+        """Whether pictures are to follow the full one of that key, which is shown."""
+        if not self.accumulates or not getattr(self._technique, "accumulates", True):
+            return False
+        return self._accumulation.ask(key, self._cost.full_seconds or 0.0)
+
+    def jittered_frame(self, sequence: int) -> Frame:
+        """The frame of a picture that follows the full one, a little beside it, into a target of its own."""
+        return self._frame(FULL, self._tile(), sequence)
+
+    def plan_chunks(self, frame: Frame) -> int:
+        """Into how many chunks the technique divides a frame."""
+        return self._plan(frame)
+
+    def draw_chunk(self, frame: Frame, chunk: int) -> None:
+        """Let the technique draw one of them."""
+        self._draw_chunk(frame, chunk)
 
     def _upload(self, resources: VolumeResources | NoTextures, budget: float) -> bool:
         """Upload scalars for about `budget` seconds; True when all are there."""
@@ -482,7 +519,8 @@ class VolumeHandle:
             return
         key = self._key()
         if self._picture is not None and self._picture.key == key:
-            if self._picture.level != FULL and self.pacer is not None and not self._interacting:
+            waits = self._picture.level != FULL or self._more_pictures(key)
+            if waits and self.pacer is not None and not self._interacting:
                 self.pacer.request(self)
             return
         if self.pacer is None:
@@ -494,7 +532,7 @@ class VolumeHandle:
         if not self._interacting and expected is not None and expected <= AT_ONCE_SECONDS * self.share:
             level = FULL
         self._draw_at(level, key)
-        if level != FULL and not self._interacting:
+        if not self._interacting and (level != FULL or (self.status.complete and self._more_pictures(key))):
             self.pacer.request(self)
 
     def _draw_at(self, level: Level, key: Any) -> None:
@@ -565,6 +603,7 @@ class VolumeHandle:
             self._depth_map(),
             writes_depth=getattr(self._technique, "writes_depth", False),
             area=self._picture.area,
+            average=self._accumulation.average(self._picture.key) if self._picture.level == FULL else None,
         )
 
     def _area(self, frame: Frame) -> tuple[float, float, float, float]:
@@ -686,21 +725,21 @@ class VolumeHandle:
         near, far = camera.GetClippingRange()
         return near * far / (far - near), far / (far - near)
 
-    def _frame(self, level: Level, tile: tuple[int, int] = TILE) -> Frame:
+    def _frame(self, level: Level, tile: tuple[int, int] = TILE, sequence: int = 0) -> Frame:
         width, height, _, _ = self._viewport()
         size = (max(round(width * level.fraction), 1), max(round(height * level.fraction), 1))
         purpose = "full" if level == FULL else "interactive"
         gpu = self._gpu.gpu
         frame = Frame(
             gpu=gpu,
-            target=self._target(purpose, size),
+            target=self._accumulation.target(gpu, size) if sequence else self._target(purpose, size),
             size=size,
             window_size=(width, height),
             volume=self._volume,
             resources=cast(VolumeResources, self._ready_resources()),
             transfer_function=self._drawn_function,
             settings=self._settings,
-            camera=self._camera(),
+            camera=jittered_camera(self._camera(), size, sequence),
             light_position=np.array(self.light_position),
             light_color=self._light.color,
             headlight=self._light.headlight,
@@ -709,7 +748,7 @@ class VolumeHandle:
             scene_depth=self._depth.texture if self._depth_key else None,
             step_scale=level.step_scale,
             level=0,
-            sequence=0,
+            sequence=sequence,
             interactive=level != FULL,
             tiles=(),
             uniforms={},
@@ -721,6 +760,7 @@ class VolumeHandle:
         frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, size, tile)
         if self._info.uses_textures:
             frame.uniforms = shared_uniforms(frame)
+            frame.uniforms["u_first_sample"] = sample_phase(frame.uniforms["u_first_sample"], sequence)
         return frame
 
     def _target(self, purpose: str, size: tuple[int, int]) -> Target:
@@ -766,8 +806,13 @@ class VolumeHandle:
         for listener in list(self.on_status):
             listener(self.status)
 
-    def read_picture(self) -> Any:
+    def read_picture(self, *, averaged: bool = False) -> Any:
         """The finished full picture without VTK's: shape (H, W, 4), float32, premultiplied, row 0 at the top.
+
+        Parameters
+        ----------
+        averaged : bool, default: False
+            The mean with the pictures that have followed it at rest, if any have (`FrameStatus.samples`).
 
         Raises
         ------
@@ -781,9 +826,12 @@ class VolumeHandle:
             )
         self.window.MakeCurrent()
         with self._gpu.foreign():
-            width, height = self._picture.target.size
-            data = self._picture.target.color.read()
-        return np.frombuffer(data, np.float32).reshape(height, width, 4)[::-1].copy()
+            average = self._accumulation.average(self._picture.key) if averaged else None
+            target, count = average or (self._picture.target, 1)
+            width, height = target.size
+            data = target.color.read()
+        picture = np.frombuffer(data, np.float32).reshape(height, width, 4)[::-1].copy()
+        return picture if count == 1 else picture / np.float32(count)
 
     def opaque_depth(self, column: int, row: int) -> float | None:
         """Window depth 0..1 of VTK's opaque geometry at a pixel, None where there is none.
@@ -837,6 +885,7 @@ class VolumeHandle:
         if self._resources is not None:
             self._gpu.drop(self._resources)
             self._resources = None
+        self._accumulation.release(self._gpu.gpu)
         for name in self._targets.values():
             self._gpu.gpu.targets.drop(name)
         self._targets.clear()

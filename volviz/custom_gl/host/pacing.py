@@ -83,6 +83,8 @@ class FrameStatus:
         A sentence on what the picture shows differently from what was asked for; empty when nothing.
     waiting : float or None
         While the technique waits for a worker: how far that is, 0..1.
+    samples : int
+        Pictures of which the mean is shown; 1 until further ones have been drawn at rest.
     """
 
     resolution: float = 1.0
@@ -91,6 +93,7 @@ class FrameStatus:
     progress: float = 0.0
     notice: str = ""
     waiting: float | None = None
+    samples: int = 1
 
 
 class CostModel:

@@ -24,6 +24,7 @@ def composite(
     *,
     writes_depth: bool,
     area: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0),
+    average: tuple[Target, int] | None = None,
 ) -> None:
     """Blend a premultiplied picture into a framebuffer, enlarging it when it is smaller than the viewport.
 
@@ -45,9 +46,12 @@ def composite(
         Write the picture's own depth where it has any.
     area : tuple of 4 floats
         Part of the picture outside which it is empty: left, bottom, right, top in 0..1.
+    average : (Target, int), optional
+        Sum of so many pictures of the same size, whose mean is shown in the picture's place; depths stay.
     """
     gl = gpu.gl
-    enlarge = target.size != viewport[2:]
+    shown, count = (target, 1) if average is None else average
+    enlarge = shown.size != viewport[2:]
     program = gpu.programs.get(
         GLSL / "fullscreen.vert",
         GLSL / "composite.frag",
@@ -55,29 +59,48 @@ def composite(
     )
     program.set(
         {
-            "u_picture_size": tuple(float(n) for n in target.size),
+            "u_picture_size": tuple(float(n) for n in shown.size),
+            "u_weight": 1.0 / count,
             "u_depth_map": depth_map,
         }
     )
     framebuffer.use()
     gl.viewport = viewport
     gl.scissor = _within(viewport, area, target.size)
-    target.color.filter = (
+    shown.color.filter = (
         (moderngl.LINEAR, moderngl.LINEAR) if enlarge else (moderngl.NEAREST, moderngl.NEAREST)
     )
-    program.use_texture("t_picture", target.color)
+    program.use_texture("t_picture", shown.color)
     program.use_texture("t_scene_depth", scene_depth if scene_depth is not None else gpu.blank_texture())
     gl.enable_only(moderngl.BLEND)
     gl.blend_func = _PREMULTIPLIED
     gl.blend_equation = moderngl.FUNC_ADD
     framebuffer.depth_mask = False
     gpu.draw_fullscreen(program)
-    target.color.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    shown.color.filter = (moderngl.NEAREST, moderngl.NEAREST)
     gl.scissor = viewport
     if writes_depth and target.depth is not None:
         _write_depth(gpu, target, framebuffer)
     gl.enable_only(moderngl.NOTHING)
     gl.scissor = None
+
+
+def add_picture(gpu: Gpu, picture: Target, total: Target) -> None:
+    """Add a picture to a sum of pictures of the same size."""
+    gl = gpu.gl
+    program = gpu.programs.get(
+        GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": False, "SCENE_DEPTH": False}
+    )
+    program.set({"u_picture_size": tuple(float(n) for n in picture.size), "u_weight": 1.0})
+    total.fbo.use()
+    gl.viewport = (0, 0, *total.size)
+    gl.scissor = None
+    program.use_texture("t_picture", picture.color)
+    gl.enable_only(moderngl.BLEND)
+    gl.blend_func = (moderngl.ONE, moderngl.ONE)
+    gl.blend_equation = moderngl.FUNC_ADD
+    gpu.draw_fullscreen(program)
+    gl.enable_only(moderngl.NOTHING)
 
 
 def _within(

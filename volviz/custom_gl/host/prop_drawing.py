@@ -116,6 +116,9 @@ class PropDrawing:
         Gives the `vtkCamera` of the plotter's renderer.
     """
 
+    #: VTK draws through its own camera: there is no picture beside the first one.
+    accumulates = False
+
     def __init__(self, technique: PropTechnique, window: Any, camera: Any) -> None:
         self._technique = technique
         self._window = window

@@ -1,0 +1,170 @@
+"""While the window rests: further full pictures, each a little beside the first, and their mean.
+
+Every further picture looks through other points of its pixels and samples its rays at other places: edges become
+smooth, and the wood grain that equally placed samples leave on steep data disappears.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.host.picture import add_picture
+from volviz.custom_gl.technique import Frame, FrameCamera
+
+#: Where the further pictures look through their pixels, in pixels from the middle: each row and column of a lattice of
+#: eight is taken once, and after every two, four and eight pictures the mean lies (nearly) in the middle.
+PLACES = tuple(
+    (x / 16.0, y / 16.0) for x, y in ((1, -3), (-1, 3), (5, 1), (-5, -1), (-3, -7), (3, 7), (7, 5), (-7, -5))
+)
+#: Where they sample, in steps from the middle of a segment: with the first picture nine places, equally far apart.
+PHASES = tuple(k / 9.0 for k in (4, -4, 2, -2, 3, -3, 1, -1))
+
+#: Full pictures that take longer than this all together are not worth the wait; fewer than two show nothing.
+SECONDS = 3.0
+LEAST = 2
+#: The mean is shown after so many further pictures.
+SHOWN_AFTER = (2, 4, 8)
+
+
+class Host(Protocol):
+    """What the accumulation needs of a `VolumeHandle`."""
+
+    def jittered_frame(self, sequence: int) -> Frame:
+        """The frame of a further picture, into a target of its own."""
+
+    def plan_chunks(self, frame: Frame) -> int:
+        """Into how many chunks its drawing is divided."""
+
+    def draw_chunk(self, frame: Frame, chunk: int) -> None:
+        """Draw one of them."""
+
+
+class Accumulation:
+    """The sum of the full picture and those that followed it.
+
+    Attributes
+    ----------
+    key : object
+        What the pictures show, as in `VolumeHandle`; None = nothing is summed up.
+    count : int
+        Pictures in the sum, the first one included.
+    """
+
+    def __init__(self, owner: int) -> None:
+        self._names = {part: f"{part} of {owner}" for part in ("sum", "jittered")}
+        self.key: Any = None
+        self.count = 0
+        self._asked: Any = None
+        self._wanted = 0
+        self._sum: Target | None = None
+        self._frame: Frame | None = None
+        self._chunks = 0
+        self._done = 0
+
+    def ask(self, key: Any, full_seconds: float) -> bool:
+        """The full picture of `key` is shown and nothing moves: whether further ones are to be drawn.
+
+        Parameters
+        ----------
+        key : object
+            Of the picture.
+        full_seconds : float
+            Time that one full picture takes.
+        """
+        if key != self._asked:
+            count = min(math.floor(SECONDS / max(full_seconds, 1e-6)), len(PLACES))
+            self._asked = key
+            self._wanted = max((n for n in SHOWN_AFTER if n <= count), default=0)
+            if self._wanted < LEAST:
+                self._wanted = 0
+        return not self._is_finished(key)
+
+    def _is_finished(self, key: Any) -> bool:
+        if key != self._asked:
+            return True
+        return self._wanted == 0 or (self.key == key and self.count > self._wanted)
+
+    def average(self, key: Any) -> tuple[Target, int] | None:
+        """The sum and the number of pictures in it, where that is to be shown instead of the first picture."""
+        if self.key != key or self._sum is None or self._sum.released or self.count - 1 < SHOWN_AFTER[0]:
+            return None
+        return self._sum, self.count
+
+    def refine(self, host: Host, gpu: Gpu, key: Any, first: Target, budget: float) -> bool:
+        """Draw for about `budget` seconds; True when there is a new mean to be shown or nothing to do."""
+        begin = time.perf_counter()
+        if self._is_finished(key):
+            return True
+        if self.key != key or self._sum is None or self._sum.released:
+            self._begin(gpu, key, first)
+        if self._frame is None:
+            self._frame = host.jittered_frame(self.count)
+            self._chunks, self._done = host.plan_chunks(self._frame), 0
+            if not self._chunks:
+                # the technique has something else to do first: the pictures so far must suffice
+                self._wanted, self._frame = self.count - 1, None
+                return True
+            self._frame.target.clear()
+        while self._done < self._chunks:
+            host.draw_chunk(self._frame, self._done)
+            gpu.gl.finish()
+            self._done += 1
+            if time.perf_counter() - begin > budget:
+                break
+        if self._done < self._chunks:
+            return False
+        self._add(gpu, self._frame.target)
+        self._frame = None
+        self.count += 1
+        if self.count > self._wanted:
+            gpu.targets.drop(self._names["jittered"])
+        return self.count - 1 in SHOWN_AFTER
+
+    def interrupt(self) -> None:
+        """A gesture begins: the picture in the making is given up, the sum stays."""
+        self._frame = None
+
+    def target(self, gpu: Gpu, size: tuple[int, int]) -> Target:
+        """What further pictures are drawn into."""
+        return gpu.targets.get(self._names["jittered"], size)
+
+    def release(self, gpu: Gpu) -> None:
+        """Release the targets; the context must be current."""
+        for name in self._names.values():
+            gpu.targets.drop(name)
+        self.key = self._asked = self._sum = self._frame = None
+
+    def _begin(self, gpu: Gpu, key: Any, first: Target) -> None:
+        self._sum = gpu.targets.get(self._names["sum"], first.size, depth=False)
+        self._sum.clear()
+        self.key, self.count, self._frame = key, 0, None
+        self._add(gpu, first)
+        self.count = 1
+
+    def _add(self, gpu: Gpu, picture: Target) -> None:
+        assert self._sum is not None
+        add_picture(gpu, picture, self._sum)
+
+
+def jittered_camera(camera: FrameCamera, size: tuple[int, int], sequence: int) -> FrameCamera:
+    """The camera of the picture of that number, looking through other points of its pixels; 0 leaves it."""
+    if sequence == 0:
+        return camera
+    x, y = PLACES[(sequence - 1) % len(PLACES)]
+    shift = np.eye(4)
+    shift[0, 3], shift[1, 3] = 2.0 * x / size[0], 2.0 * y / size[1]
+    return replace(camera, projection=shift @ camera.projection)
+
+
+def sample_phase(first_sample: float, sequence: int) -> float:
+    """Where in a segment the picture of that number samples: only midpoint samples are moved."""
+    if sequence == 0 or first_sample != 0.5:
+        return first_sample
+    return 0.5 + PHASES[(sequence - 1) % len(PHASES)]
