@@ -13,6 +13,7 @@ from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
+from volviz.custom_gl.host.handle import VolumeHandle
 from volviz_ui.main_window import MainWindow
 from volviz_ui.preferences import Preferences
 from volviz_ui.theme import Theme
@@ -22,6 +23,13 @@ from volviz_ui.theme import Theme
 def theme(qapp: QApplication) -> Theme:
     """One theme for all windows, as in the program."""
     return Theme(qapp, "dark")
+
+
+@pytest.fixture(autouse=True)
+def only_the_first_picture(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The full picture is the last one, except where what follows it at rest is looked at (``accumulates``)."""
+    if request.node.get_closest_marker("accumulates") is None:
+        monkeypatch.setattr(VolumeHandle, "accumulates", False)
 
 
 @pytest.fixture

@@ -189,9 +189,12 @@ class Display(QObject):
     @property
     def is_complete(self) -> bool:
         """Whether the viewport shows the complete picture of the present scene."""
-        status = self.status
-        waits = self._viewport.awaits_frame or self.pacer.is_busy or self._gestures > 0
-        return status is not None and status.complete and not waits
+        if self.handle is None:
+            return False
+        # what follows the full picture at rest only makes it smoother
+        busy = self.pacer.is_busy and not self.handle.is_accumulating
+        waits = self._viewport.awaits_frame or busy or self._gestures > 0
+        return bool(self.handle.status.complete) and not waits
 
     def opaque_depth(self, column: int, row: int) -> float | None:
         """Window depth of opaque geometry at a device pixel of the viewport, from the upper left; None = nothing."""

@@ -3,11 +3,15 @@
 // forms around a mesh.
 
 uniform sampler2D t_picture;
+#ifdef AVERAGE
+uniform float u_weight;     // 1 / number of pictures summed up in it
+#else
+const float u_weight = 1.0;
+#endif
 #if SCENE_DEPTH
 uniform sampler2D t_scene_depth;
 #endif
 uniform vec2 u_picture_size;
-uniform float u_weight;     // 1 / number of pictures summed up in it
 uniform vec2 u_depth_map;   // z_eye = x / (z_window - y) up to sign (perspective), see host
 
 in vec2 v_ndc;

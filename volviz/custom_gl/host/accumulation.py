@@ -86,6 +86,10 @@ class Accumulation:
                 self._wanted = 0
         return not self._is_finished(key)
 
+    def goes_on(self, key: Any) -> bool:
+        """Whether further pictures of the full one of `key` are still being drawn."""
+        return key == self._asked and not self._is_finished(key)
+
     def _is_finished(self, key: Any) -> bool:
         if key != self._asked:
             return True

@@ -99,6 +99,8 @@ class VolumeHandle:
         What can be dragged in the picture, while it is shown (`show_handles`).
     """
 
+    accumulates: bool = True
+
     def __init__(
         self,
         plotter: Any,
@@ -134,7 +136,6 @@ class VolumeHandle:
         self._resources: VolumeResources | None = None
         self._picture: _Picture | None = None
         self._refinement: _Refinement | None = None
-        self.accumulates = True
         self._accumulation = Accumulation(id(self))
         self._interacting = 0
         self._cost = CostModel()
@@ -462,6 +463,12 @@ class VolumeHandle:
         if not self.accumulates or not getattr(self._technique, "accumulates", True):
             return False
         return self._accumulation.ask(key, self._cost.full_seconds or 0.0)
+
+    @property
+    def is_accumulating(self) -> bool:
+        """Whether the full picture is shown and others are being drawn to be averaged with it."""
+        picture = self._picture
+        return picture is not None and picture.level == FULL and self._accumulation.goes_on(picture.key)
 
     def jittered_frame(self, sequence: int) -> Frame:
         """The frame of a picture that follows the full one, a little beside it, into a target of its own."""

@@ -23,6 +23,8 @@ class Reference:
     """The picture of `volviz.kernels.reference`, one block for each of its pixels."""
 
     within_tiles = True
+    #: The picture is the exact one of its rays, and takes long.
+    accumulates = False
 
     def __init__(self) -> None:
         self._computing = Computing()
