@@ -145,10 +145,41 @@ def draw_window() -> None:
         Path(settings.fileName()).unlink(missing_ok=True)
 
 
+def draw_comparison() -> None:
+    """Our ray caster, VTK's and the difference of both; errors over the step with fitted slopes."""
+    from volviz.compare.convergence import ConvergenceRun
+    from volviz.compare.pictures import difference_image
+    from volviz.compare.plots import convergence_plot
+    from volviz.compare.run import Side, compare
+    from volviz.compare.stage import View
+
+    volume, size = volviz.load("sample:mri-head"), (300, 240)
+    function = preset_for("mri", volume)
+    camera = default_camera(volume, size, transfer_function=function)
+    view = View(volume, function, camera, size, background=BACKGROUND)
+    found = compare(view, [Side("raycast"), Side("vtk_gpu")], frames=0)
+    pictures = [side.picture for side in found.sides]
+    pictures.append(difference_image(*pictures).picture)
+    save(side_by_side([Image.fromarray(one) for one in pictures], 3), "comparison")
+    results = []
+    for technique in ("raycast", "slicing", "vtk_gpu"):
+        run = ConvergenceRun(view, technique, technique)
+        for _ in run.steps():
+            pass
+        assert run.result is not None
+        results.append(run.result)
+    # a page around it cannot lend its colours to a picture: ink on paper
+    plot = convergence_plot(results).replace("currentColor", "#1d1f21")
+    head, rest = plot.split(">", 1)
+    (FOLDER / "convergence.svg").write_text(f'{head}>\n<rect width="860" height="400" fill="#fff"/>{rest}\n')
+    print("convergence.svg")
+
+
 DRAWINGS: dict[str, Callable[[], None]] = {
     "techniques": draw_techniques,
     "slices": draw_slices,
     "modes": draw_modes,
+    "comparison": draw_comparison,
     "window": draw_window,
 }
 

@@ -28,10 +28,11 @@ REFERENCE_STEP = 0.05
 #: Bisections that are tried, and those of the converged picture.
 BISECTIONS = (0, 1, 2, 3, 4, 5)
 REFERENCE_BISECTIONS = 14
-#: Techniques whose pictures converge to the one integral along the ray that our ray caster computes as well.
-ONE_INTEGRAL = ("raycast", "two_pass_raycast", "slicing")
-#: VTK's for the same integral: they cannot be kept from ending rays early, so that their limit is another one.
-OWN_LIMIT = ("vtk_gpu", "vtk_fixed_point")
+#: Techniques whose pictures are compared with the integral along the ray to which our ray caster converges. VTK's on
+#: the processor has no limit of its own: its numbers of 15 bits lose more with every shorter step.
+ONE_INTEGRAL = ("raycast", "two_pass_raycast", "slicing", "vtk_fixed_point")
+#: VTK's on the graphics card cannot be kept from ending rays early, so that its limit is another one.
+OWN_LIMIT = ("vtk_gpu",)
 #: Largest picture that is drawn for it.
 MOST_PIXELS = 320 * 240
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.

@@ -21,7 +21,7 @@ _FAINT = 'stroke-width="1" stroke-opacity="0.3"'
 _FONT = 'font-family="system-ui, sans-serif" font-size="12"'
 
 
-def convergence_plot(results: Sequence[Convergence], size: tuple[int, int] = (720, 420)) -> str:
+def convergence_plot(results: Sequence[Convergence], size: tuple[int, int] = (860, 400)) -> str:
     """Errors over the distance of samples, both on logarithmic axes, with fitted lines and their slopes.
 
     Parameters
@@ -44,23 +44,22 @@ def convergence_plot(results: Sequence[Convergence], size: tuple[int, int] = (72
             if e > 0 and d > 0:
                 parts.append(_marker(frame.x(d), frame.y(e), i, color))
         slope = "no slope" if math.isnan(found.slope) else f"slope {found.slope:.2f}"
-        y = 24 + 20 * i
-        parts.append(_marker(frame.left + 16, y, i, color))
-        parts.append(_text(frame.left + 28, y + 4, f"{found.name}: {slope}", "start"))
+        x, y = size[0] - frame.right + 18, 24 + 22 * i
+        parts.append(_marker(x, y, i, color))
+        parts.append(_text(x + 12, y + 4, f"{found.name}: {slope}", "start"))
     return _svg(size, parts)
 
 
 class _LogFrame:
     """The area of a plot with logarithmic axes."""
 
-    left, right, top, bottom = 78, 16, 12, 52
+    left, right, top, bottom = 78, 220, 12, 52
 
     def __init__(self, size: tuple[int, int], xs: tuple[float, float], ys: tuple[float, float]) -> None:
         self.size = size
         self._x0, self._x1 = math.log10(xs[0]) - 0.06, math.log10(xs[1]) + 0.06
-        # room for the legend above the points
         self._y0 = math.floor(math.log10(ys[0]) - 0.05)
-        self._y1 = math.ceil(math.log10(ys[1]) + 0.3)
+        self._y1 = math.ceil(math.log10(ys[1]) + 0.05)
 
     def x(self, value: float) -> float:
         share = (math.log10(value) - self._x0) / (self._x1 - self._x0)
