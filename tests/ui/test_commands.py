@@ -13,7 +13,7 @@ from PIL import Image
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QMessageBox
+from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QTabBar
 
 from tests.ui.conftest import foreground, is_complete, picture
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
@@ -170,10 +170,20 @@ def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences:
     assert second.width() == 1000
     second.reset_layout()
     assert second.docks[0].isVisible()
+    second.compare_dock.show()
     second.close()
-    for window in (first, second):
+    third = MainWindow(theme, preferences)
+    third.show()
+    QTest.qWait(100)
+    menu = third.menuBar().geometry()
+    assert not any(
+        bar.isVisible() and bar.geometry().intersects(menu) for bar in third.findChildren(QTabBar)
+    )
+    third.close()
+    second.close()
+    for window in (first, second, third):
         window.deleteLater()
-    del first, second, window
+    del first, second, third, window
 
 
 def test_full_screen_and_back_by_escape(window: MainWindow) -> None:

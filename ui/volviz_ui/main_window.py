@@ -57,7 +57,7 @@ from volviz_ui.workers import Gate, Workers
 
 PICK_DELAY_MS = 25
 MEMORY_DELAY_MS = 2000
-LAYOUT_VERSION = 1
+LAYOUT_VERSION = 2
 SHOWN_AT_FIRST = {"box": False, "axes": False, "marker": True, "bar": False}
 
 
@@ -185,11 +185,6 @@ class MainWindow(QMainWindow):
         self.ray_dock = Dock("ray_dock", self.tr("Ray inspector"), self.ray_panel, self)
         self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
-        self.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, data)
-        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, technique)
-        self.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, transfer)
-        self.splitDockWidget(transfer, self.ray_dock, Qt.Orientation.Horizontal)
-        self.ray_dock.hide()
         self.ray_dock.toggleViewAction().setShortcut("Ctrl+I")
         self.crosscheck_dock = Dock("crosscheck_dock", self.tr("Cross-check"), self.crosscheck_panel, self)
         self.tabifyDockWidget(transfer, self.crosscheck_dock)
@@ -198,9 +193,6 @@ class MainWindow(QMainWindow):
             self.tr("Follow the ray behind a pixel, sample by sample: click in the picture")
         )
         self.compare_dock = Dock("compare_dock", self.tr("Compare"), self.compare_panel, self)
-        self.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, self.compare_dock)
-        self.tabifyDockWidget(data, self.compare_dock)
-        self.compare_dock.hide()
         self.compare_dock.toggleViewAction().setShortcut("Ctrl+M")
         self.compare_dock.toggleViewAction().setToolTip(
             self.tr("How two views are compared, and what is measured of them")
@@ -274,11 +266,12 @@ class MainWindow(QMainWindow):
         self.views.shows_handles = shown
         self.set_quality(self.preferences.quality)
         self.resize(1400, 900)
-        self.reset_layout()
         kept = self.preferences.window
+        # one or the other: Qt leaves a tab bar over the menu when panels in tabs are arranged twice
+        if kept is None or not self.restoreState(kept[1], LAYOUT_VERSION):
+            self.reset_layout()
         if kept is not None:
             self.restoreGeometry(kept[0])
-            self.restoreState(kept[1], LAYOUT_VERSION)
 
     def reset_layout(self) -> None:
         """All panels docked, where they belong."""
