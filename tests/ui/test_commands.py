@@ -176,9 +176,7 @@ def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences:
     third.show()
     QTest.qWait(100)
     menu = third.menuBar().geometry()
-    assert not any(
-        bar.isVisible() and bar.geometry().intersects(menu) for bar in third.findChildren(QTabBar)
-    )
+    assert not any(bar.isVisible() and bar.geometry().intersects(menu) for bar in third.findChildren(QTabBar))
     third.close()
     second.close()
     for window in (first, second, third):
