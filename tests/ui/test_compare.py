@@ -11,9 +11,11 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
 
 from tests.ui.conftest import drag, is_complete, turn_wheel
 from volviz.model.session import load_session
+from volviz_ui.compare.difference_picture import array_of
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.technique_box import choose_technique
 from volviz_ui.session_commands import settings_of
@@ -169,6 +171,19 @@ def test_another_file_keeps_the_views_and_is_shown_in_all(
     wait_for(lambda: is_complete(split))
     assert split.documents.volume.dimensions[0] == 32
     assert all(pane.display.handle.volume is split.documents.volume for pane in split.views.panes)
+
+
+def test_a_copied_picture_holds_all_views(split: MainWindow) -> None:
+    split.actions_.copy_picture.trigger()
+    image = QApplication.clipboard().image()
+    area, ratio = split.views, split.devicePixelRatioF()
+    assert (image.width(), image.height()) == (round(area.width() * ratio), round(area.height() * ratio))
+    copied = array_of(image)
+    for pane in split.views.panes:
+        corner = pane.viewport.mapTo(area, QPoint(0, 0))
+        shown = picture_of(pane.viewport)
+        part = copied[corner.y() :, corner.x() :][: shown.shape[0], : shown.shape[1]]
+        assert np.abs(part - shown).mean() < 1
 
 
 def test_two_views_at_rest_draw_no_frame(split: MainWindow) -> None:

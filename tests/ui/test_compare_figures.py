@@ -153,7 +153,9 @@ def test_vtks_counterpart_comes_beside_with_the_same_settings(window: MainWindow
     scene = window.store.scene
     assert [view.technique for view in scene.views] == ["raycast", "vtk_gpu"]
     assert current_settings(scene, 1).step == 0.4
-    assert window.measurements.figures.pictures.psnr > 35
+    # VTK takes its first sample at the end of the first step, and ours follows
+    assert current_settings(scene, 0).first_sample == 1.0
+    assert window.measurements.figures.pictures.psnr > 45
     samples = window.measurements.figures.samples
     assert samples[0] == samples[1]
 

@@ -159,13 +159,15 @@ class FileCommands(QObject):
         self._window.status_line.showMessage(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
 
     def copy_picture(self) -> None:
-        """Put the viewport, as it is shown, on the clipboard."""
-        display = self._window.display
+        """Put what is shown, all views of a comparison included, on the clipboard."""
+        views = self._window.views
         # knobs belong to the window, not to the picture
-        shown, display.shows_handles = display.shows_handles, False
-        display.complete()
-        QApplication.clipboard().setImage(self._window.viewport.grabFramebuffer())
-        display.shows_handles = shown
+        shown, views.shows_handles = views.shows_handles, False
+        views.complete()
+        several = len(views.panes) > 1
+        image = views.grab().toImage() if several else self._window.viewport.grabFramebuffer()
+        QApplication.clipboard().setImage(image)
+        views.shows_handles = shown
         self._window.status_line.showMessage(self.tr("The picture is on the clipboard"), 3000)
 
     def copy_script(self) -> None:

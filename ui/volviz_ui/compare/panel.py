@@ -55,7 +55,9 @@ class ComparePanel(Panel):
         self.words.setToolTip(self.tr("What the two views do differently"))
         self.match_button = QPushButton(self.tr("Match settings"), self)
         self.match_button.setToolTip(
-            self.tr("Give the second view the settings of the first wherever both have them")
+            self.tr(
+                "Give the second view the settings of the first; where VTK can do a thing in one way only, ours follows"
+            )
         )
         self.match_button.clicked.connect(self.match_wanted)
 
