@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from volviz.errors import InputError
-
 Array = npt.NDArray[np.float64]
 Vector = tuple[float, float, float]
 Pixel = tuple[float, float]
@@ -81,6 +79,7 @@ class SphereDrag:
         self._center = np.asarray(center, np.float64)
         offset = np.asarray(point, np.float64) - self._center
         self._radius = float(np.linalg.norm(offset))
+        self._last = offset / self._radius
         pixel = projection.pixels(point)[0]
         _, along = projection.ray((float(pixel[0]), float(pixel[1])))
         self._near = float(offset @ along) <= 0
@@ -91,22 +90,29 @@ class SphereDrag:
         found = self._hit(pixel)
         if found is None:
             self._beside = True
-            return self._edge(pixel)
-        if self._beside:
+            found = self._edge(pixel)
+        elif self._beside:
             # it went around the edge
             self._near, self._beside = not self._near, False
             found = self._hit(pixel)
-            assert found is not None
-        return found
+        if found is not None:
+            self._last = found
+        return self._last
 
     def _hit(self, pixel: Pixel) -> Array | None:
         start, along = self._projection.ray(pixel)
         to_center = self._center - start
-        beside = float(to_center @ along) * along - to_center
+        middle = float(to_center @ along)
+        beside = middle * along - to_center
         square = self._radius**2 - float(beside @ beside)
         if square < 0:
             return None
-        offset = beside + (-1.0 if self._near else 1.0) * np.sqrt(square) * along
+        half = np.sqrt(square)
+        way = -half if self._near and middle > half else half
+        # the eye may be within the sphere, or have all of it behind
+        if middle + way <= 0:
+            return None
+        offset = beside + way * along
         return np.asarray(offset / np.linalg.norm(offset))
 
     def _edge(self, pixel: Pixel) -> Array:
@@ -122,9 +128,8 @@ class SphereDrag:
                 outer = between
             else:
                 inner, found = between, hit
-        if found is None:
-            raise InputError("the middle of what is dragged lies behind the eye; turn the view first.")
-        return found
+        # the middle is behind the eye, and nothing of the sphere towards the pixel is seen: stay where we are
+        return self._last if found is None else found
 
 
 class PlanePush:

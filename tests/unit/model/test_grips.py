@@ -72,6 +72,11 @@ def test_a_drag_around_the_edge_of_the_sphere_goes_on_behind_it() -> None:
     assert behind[2] < 0
 
 
+def test_a_sphere_behind_the_eye_is_left_where_it_is() -> None:
+    drag = SphereDrag(perspective(), (0, 0, 30), (0, 1, 30))
+    assert drag.to((10, 90)) == pytest.approx((0, 1, 0))
+
+
 def test_a_push_across_the_view_keeps_the_plane_under_the_pointer() -> None:
     view = perspective()
     at = tuple(view.pixels((0, 0, 0))[0])
