@@ -132,3 +132,22 @@ def test_shadows_of_vtk_fall_where_ours_fall() -> None:
     theirs_dark, ours_dark = wall & (shadowed[..., 0] < 0.25), wall & (ours[..., 0] < 0.45)
     assert 0.15 < theirs_dark.sum() / wall.sum() < 0.6
     assert (theirs_dark & ours_dark).sum() > 0.8 * (theirs_dark | ours_dark).sum()
+
+
+@pytest.mark.parametrize("geometry", GEOMETRY)
+def test_a_normal_texture_of_vtk_gives_the_relief_of_our_bump_mapping(geometry: str) -> None:
+    of = volume(**GEOMETRY[geometry])
+    values: dict[str, Any] = {"size": SIZE, "bump_strength": 2.0, "light_position": (60.0, -40.0, 80.0)}
+    one = picture(of, function(of), camera(of), technique_id="vtk_normal_map", **values)
+    other = picture(of, function(of), camera(of), technique_id="bump_mapping", **values)
+    flat = picture(of, function(of), camera(of), technique_id="vtk_normal_map", **(values | {"bump_strength": 0.0}))
+    assert psnr(one, other) > 40
+    assert psnr(one, flat) < 35
+
+
+def test_the_side_of_the_plane_that_faces_the_eye_is_lit() -> None:
+    of = volume()
+    behind = camera(of).turned(azimuth=180.0)
+    one = picture(of, function(of), behind, size=SIZE, technique_id="vtk_normal_map")
+    other = picture(of, function(of), behind, size=SIZE, technique_id="bump_mapping")
+    assert psnr(one, other) > 40

@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
             f"{output}: the folder cannot be made ({error.strerror}); choose another one."
         ) from None
     for info in techniques().values():
-        if info.kind == "image":
+        if not info.counterpart_of:
             values = parse_values(info, options.values, lenient=True)
             draw(volume, info, values, function, size, options, output / f"{info.id}.png")
     return 0

@@ -336,12 +336,15 @@ class PropTechnique(Protocol):
         Nothing is drawn outside the frame's tiles.
     ambient_from_light : bool
         The mapper multiplies the ambient part of the material with an ambient colour of the light.
+    seconds_per_pixel : float
+        What a pixel of the full picture costs on software OpenGL, roughly; measured from the second picture on.
     """
 
     by_tiles: bool
     writes_depth: bool
     within_tiles: bool
     ambient_from_light: bool
+    seconds_per_pixel: float
 
     @property
     def props(self) -> Sequence[Any]:

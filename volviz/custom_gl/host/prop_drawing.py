@@ -7,14 +7,16 @@ are kept, refined, read and timed as ours are, and volumes are cut into tiles by
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import moderngl
 
 from volviz.custom_gl.host import vtk_border as vtk
 from volviz.custom_gl.host.frame_uniforms import light_place
+from volviz.custom_gl.host.prop_pieces import PieceSizes
 from volviz.custom_gl.shader_source import GLSL
-from volviz.custom_gl.technique import Frame, PropTechnique
+from volviz.custom_gl.technique import Frame, PropTechnique, Tile
 
 _GL_ONE = 1
 _GL_LEQUAL = 0x0203
@@ -24,6 +26,9 @@ _GL_CULL_FACE = 0x0B44
 _GL_DEPTH_TEST = 0x0B71
 _GL_BLEND = 0x0BE2
 _VTK_FLOAT = 10
+
+#: Pixels of a tile of a picture that comes in pieces; larger tiles mean that nobody waits in between.
+LARGEST_PIECE = 256 * 64
 
 
 class _Stage:
@@ -133,7 +138,8 @@ class PropDrawing:
         # from 90 degrees on it is no cone
         self._light.SetConeAngle(180.0)
         self._renderer.AddLight(self._light)
-        self._pieces = 0
+        self._pieces: list[Tile] = []
+        self._sizes = PieceSizes(technique.seconds_per_pixel)
 
     @property
     def writes_depth(self) -> bool:
@@ -146,29 +152,47 @@ class PropDrawing:
         return self._technique.within_tiles
 
     @property
+    def progress(self) -> float:
+        """How far the worker is that the next picture waits for, 0..1."""
+        return float(getattr(self._technique, "progress", 0.0))
+
+    @property
     def notice(self) -> str:
         """What the picture shows differently from what was asked for."""
         return str(getattr(self._technique, "notice", ""))
 
     def plan(self, frame: Frame) -> int:
-        """One chunk per tile where the props can be cut, else one, and one for the copy; 0 while a worker prepares."""
+        """One chunk per piece where the props can be cut, else one, and one for the copy; 0 while a worker prepares."""
         if not self._technique.prepare(frame):
             return 0
         self._stages[frame.interactive].prepare(frame)
-        self._pieces = max(len(frame.tiles), 1) if self._technique.by_tiles else 1
-        return self._pieces + 1
+        if not frame.tiles:
+            self._pieces = []
+        elif not self._technique.by_tiles:
+            self._pieces = [(0, 0, *frame.size)]
+        elif frame.interactive or any(w * h > LARGEST_PIECE for _, _, w, h in frame.tiles):
+            # to be drawn at once
+            self._pieces = list(frame.tiles)
+        else:
+            self._sizes.begin()
+            self._pieces = self._sizes.cut(frame.tiles)
+        return len(self._pieces) + 1
 
     def draw(self, frame: Frame, chunk: int) -> None:
         """Let VTK draw one piece; the last chunk takes what is drawn into the frame's target."""
         stage = self._stages[frame.interactive]
-        if chunk == self._pieces:
+        if chunk == len(self._pieces):
             stage.copy_to(frame, depth=self._technique.writes_depth)
-        elif frame.tiles:
-            tile = frame.tiles[chunk] if self._technique.by_tiles else (0, 0, *frame.size)
-            self._draw_props(frame, stage, tile)
-            self._technique.check()
+            return
+        begin = time.perf_counter()
+        self._draw_props(frame, stage, self._pieces[chunk])
+        self._technique.check()
+        if not frame.interactive:
+            # without waiting, only the submission of the work would be timed
+            frame.gpu.gl.finish()
+            self._sizes.note(self._pieces[chunk], time.perf_counter() - begin)
 
-    def _draw_props(self, frame: Frame, stage: _Stage, tile: tuple[int, int, int, int]) -> None:
+    def _draw_props(self, frame: Frame, stage: _Stage, tile: Tile) -> None:
         window, renderer, camera = self._window, self._renderer, self._camera()
         state = window.GetState()
         # what was drawn before went past VTK

@@ -54,6 +54,7 @@ class SurfaceProp:
     writes_depth = True
     within_tiles = True
     ambient_from_light = True
+    seconds_per_pixel = 1e-6
 
     def __init__(self, make_filter: Any) -> None:
         self._make_filter = make_filter

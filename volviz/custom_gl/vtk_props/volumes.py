@@ -33,6 +33,7 @@ class VolumeProp:
     #: The host may draw it piece by piece, through a scissor box.
     by_tiles = True
     ambient_from_light = True
+    seconds_per_pixel = 4e-6
     #: Lit, where the settings have no say in it.
     always_lit = False
     #: What is made of the samples, where the settings have no say in it.

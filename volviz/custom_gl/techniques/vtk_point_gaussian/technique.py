@@ -45,6 +45,7 @@ class VtkPointGaussian:
     by_tiles = False
     within_tiles = False
     ambient_from_light = True
+    seconds_per_pixel = 1e-6
 
     def __init__(self) -> None:
         self._background: Background[_Wish, Splats] = Background()
