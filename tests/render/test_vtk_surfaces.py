@@ -140,7 +140,9 @@ def test_a_normal_texture_of_vtk_gives_the_relief_of_our_bump_mapping(geometry: 
     values: dict[str, Any] = {"size": SIZE, "bump_strength": 2.0, "light_position": (60.0, -40.0, 80.0)}
     one = picture(of, function(of), camera(of), technique_id="vtk_normal_map", **values)
     other = picture(of, function(of), camera(of), technique_id="bump_mapping", **values)
-    flat = picture(of, function(of), camera(of), technique_id="vtk_normal_map", **(values | {"bump_strength": 0.0}))
+    flat = picture(
+        of, function(of), camera(of), technique_id="vtk_normal_map", **(values | {"bump_strength": 0.0})
+    )
     assert psnr(one, other) > 40
     assert psnr(one, flat) < 35
 

@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 MAX_PLANES = 6
 #: Seconds that a picture waits for its mesh before the window gets its turn.
 PATIENCE = 0.015
+#: The same while something moves: for a coarse mesh.
+MOVING_PATIENCE = 0.04
+#: Triangles that are drawn while something moves: about 30 ms on software OpenGL, and on a graphics card.
+MOVING_TRIANGLES, MOVING_TRIANGLES_HARDWARE = 60_000, 1_500_000
+#: By how much the stride of a stand-in may be larger than that of the mesh.
+COARSER = (2, 4, 8)
 
 
 class _Wish(NamedTuple):
@@ -39,6 +45,11 @@ class _Surface(NamedTuple):
     wish: _Wish
     placed: PlacedImage
     mesh: Any
+
+    @property
+    def triangles(self) -> int:
+        """Number of triangles."""
+        return int(self.mesh.GetNumberOfCells())
 
 
 class SurfaceProp:
@@ -59,6 +70,8 @@ class SurfaceProp:
     def __init__(self, make_filter: Any) -> None:
         self._make_filter = make_filter
         self._background: Background[_Wish, _Surface] = Background()
+        self._coarse: Background[_Wish, _Surface] = Background()
+        self._full: _Surface | None = None
         self._shown: _Surface | None = None
         self.actor = vtk.vtkActor()
         self.mapper = vtk.vtkPolyDataMapper()
@@ -83,7 +96,11 @@ class SurfaceProp:
             settings.normals == "gradient",
             tuple(planes[MAX_PLANES:]),
         )
-        surface = self._background.get(wish, lambda: self._extract(wish), PATIENCE)
+        surface = self._stand_in(frame, wish) if frame.interactive else None
+        if surface is None:
+            surface = self._background.get(wish, lambda: self._extract(wish), PATIENCE)
+            if surface is not None:
+                self._full = surface
         if surface is None:
             # while something moves, the surface of before is better than a picture that stands still
             if not frame.interactive or self._shown is None or self._shown.wish.volume is not volume:
@@ -104,6 +121,21 @@ class SurfaceProp:
         look.SetInterpolation(2 if wish.smooth else 0)
         look.SetRepresentation(1 if settings.wireframe else 2)
         return True
+
+    def _stand_in(self, frame: Frame, wish: _Wish) -> _Surface | None:
+        """A coarser mesh where the full one has too many triangles to be moved; None where it has not."""
+        limit = MOVING_TRIANGLES if frame.gpu.limits.software else MOVING_TRIANGLES_HARDWARE
+        full = self._full
+        if full is None or full.wish.volume is not wish.volume or full.triangles <= limit:
+            return None
+        # a surface: the number of triangles falls with the square of the stride
+        fine = full.wish.stride
+        factors = [f for f in COARSER if full.triangles * (fine / (f * wish.stride)) ** 2 <= limit]
+        stride = wish.stride * (factors[0] if factors else COARSER[-1])
+        coarse = wish._replace(stride=stride)
+        made = self._coarse.get(coarse, lambda: self._extract(coarse), MOVING_PATIENCE)
+        last = made if made is not None else self._coarse.last
+        return last if last is not None and last.wish.volume is wish.volume else None
 
     def _extract(self, wish: _Wish) -> _Surface:
         placed = PlacedImage(wish.volume, wish.stride)
@@ -136,6 +168,7 @@ class SurfaceProp:
     def release(self, window: Any) -> None:
         """Release what lies on the GPU; the context is current."""
         self._background.close()
+        self._coarse.close()
         self.actor.ReleaseGraphicsResources(window)
         self.mapper.RemoveAllInputs()
-        self._shown = None
+        self._shown = self._full = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from volviz.custom_gl.picking import on_isovalue
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.vtk_props.settings import VtkSurfaceSettings
 
@@ -21,6 +22,7 @@ TECHNIQUE = TechniqueInfo(
     summary="The isosurface as a mesh, by VTK's fastest filter (vtkFlyingEdges3D).",
     settings=VtkSurfaceSettings,
     create=_create,
+    pick=on_isovalue,
     kind="prop",
     counterpart_of=("marching_cubes", "marching_tetrahedra"),
     uses_transfer_function=False,

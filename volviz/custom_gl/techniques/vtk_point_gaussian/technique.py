@@ -23,6 +23,9 @@ MAX_PLANES = 6
 #: Seconds that a picture waits for its splats before the window gets its turn.
 PATIENCE = 0.015
 
+#: Splats that are drawn while something moves, on software OpenGL and on a graphics card.
+MOVING_SPLATS, MOVING_SPLATS_HARDWARE = 40_000, 1_000_000
+
 #: Standard deviation of a Gaussian in diameters, as in our splatting.
 SIGMA_PER_DIAMETER = 0.45
 
@@ -51,6 +54,7 @@ class VtkPointGaussian:
         self._background: Background[_Wish, Splats] = Background()
         self._wish: _Wish | None = None
         self._splats: Splats | None = None
+        self._few: tuple[Splats, Splats] | None = None
         self._painted: Any = None
         self._points: Any = None
         self._disc: bool | None = None
@@ -80,11 +84,24 @@ class VtkPointGaussian:
         else:
             self._wish, self._splats = wish, splats
         assert self._splats is not None
-        self._show_points(self._splats, volume)
-        self._paint(self._splats, frame.transfer_function, disc=disc)
-        self._shape(settings, volume, disc=disc)
+        splats, enlarged = self._splats, 1.0
+        limit = MOVING_SPLATS if frame.gpu.limits.software else MOVING_SPLATS_HARDWARE
+        if frame.interactive and len(splats.values) > limit:
+            splats = self._selection(splats, limit)
+            # fewer splats on the same surface: each is larger
+            enlarged = (len(self._splats.values) / limit) ** 0.5
+        self._show_points(splats, volume)
+        self._paint(splats, frame.transfer_function, disc=disc)
+        self._shape(settings, volume, enlarged, disc=disc)
         set_planes(self.mapper, shown_part(frame)[:MAX_PLANES])
         return True
+
+    def _selection(self, splats: Splats, count: int) -> Splats:
+        """Some of the splats, the same ones every time."""
+        if self._few is None or self._few[0] is not splats:
+            chosen = np.sort(np.random.default_rng(0).permutation(len(splats.values))[:count])
+            self._few = (splats, Splats(*(np.ascontiguousarray(part[chosen]) for part in splats)))
+        return self._few[1]
 
     def _show_points(self, splats: Splats, volume: Volume) -> None:
         if self._points is splats:
@@ -111,9 +128,9 @@ class VtkPointGaussian:
         data.GetPointData().SetScalars(vtk.numpy_to_vtk(_bytes(rgba), deep=True))
         data.Modified()
 
-    def _shape(self, settings: Any, volume: Volume, *, disc: bool) -> None:
+    def _shape(self, settings: Any, volume: Volume, enlarged: float, *, disc: bool) -> None:
         steps = lattice_steps(volume, settings.splats_per_axis)
-        diameter = settings.splat_size * float((steps * volume.spacing).max())
+        diameter = enlarged * settings.splat_size * float((steps * volume.spacing).max())
         # VTK's radius is a disc's radius or a Gaussian's standard deviation
         self.mapper.SetScaleFactor(diameter * (0.5 if disc else SIGMA_PER_DIAMETER))
         if disc == self._disc:
@@ -139,7 +156,7 @@ class VtkPointGaussian:
         self._background.close()
         self.actor.ReleaseGraphicsResources(window)
         self.mapper.RemoveAllInputs()
-        self._splats = self._points = self._painted = None
+        self._splats = self._few = self._points = self._painted = None
 
 
 def lattice_steps(volume: Volume, per_axis: int | None) -> npt.NDArray[np.float64]:
