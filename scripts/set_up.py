@@ -86,6 +86,8 @@ def set_up(task: str) -> Path:
         # counts.
         stamp["extras"] = sorted({*stamp["extras"], *includes(extra)})
         STAMP.write_text(json.dumps(stamp), encoding="utf-8")
+        if task == "window":
+            compile_kernels()
     return venv_python()
 
 
@@ -198,6 +200,12 @@ def install_python_packages(extras: list[str] | None) -> None:
         raise NotReadyError(
             "pip could not install the Python packages; see its message above, then start again."
         )
+
+
+def compile_kernels() -> None:
+    """Put the kernels' machine code on disk, so that nobody waits for it in the window; no harm when it fails."""
+    say("Compiling kernels, once; this takes half a minute or so.")
+    subprocess.run([str(venv_python()), "-m", "volviz.kernels.warm_up"], check=False)
 
 
 @contextlib.contextmanager

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMainWindow
 
 from volviz.custom_gl.picking import Picked
 from volviz.custom_gl.technique import regions_unused
+from volviz.kernels.warm_up import warm_up
 from volviz.model.grips import as_vector
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
@@ -331,6 +332,12 @@ class MainWindow(QMainWindow):
         self.isovalues.set_volume(volume)
         self.status_line.show_volume(volume)
         self._memory_timer.start()
+        if volume is not None:
+            # where there is no machine code on disk yet, nobody shall wait for it later
+            dtype = volume.array.dtype
+            self.workers.start(
+                lambda task: warm_up((dtype,), report=task.report), key="warm up", patient=True
+            )
 
     # ------------------------------------------------------------------ showing
 
