@@ -409,3 +409,18 @@ def test_figures_of_vtks_mesh_are_those_of_what_it_draws() -> None:
     # every second voxel of 19 x 18 x 17 spans the same box but for the last one of the even axis
     expected = vtk_contour(volviz.Volume(volume.array[::2, ::2, ::2].copy(), spacing=(2.0, 2.2, 2.6)), 0.5)
     assert coarse.faces == len(expected[1])
+
+
+def test_meshes_of_volumes_with_gaps_have_finite_figures() -> None:
+    array = blobs((17, 18, 19), dtype=np.float32)
+    array[8, 9, 9] = np.nan
+    function = volviz.TransferFunction.from_points(POINTS)
+    volume = volviz.Volume(array)
+    view = View(volume, function, default_camera(volume, (40, 30)), (40, 30))
+    sides = [Side(name, {"isovalue": 0.5}) for name in ("marching_cubes", "vtk_marching_cubes")]
+    found = compare(view, sides, frames=0)
+    assert all(side.mesh is not None and np.isfinite(side.mesh.area) for side in found.sides)
+    distance = found.pairs[0].distance
+    assert distance is not None
+    # the gap is one voxel wide
+    assert distance.hausdorff < 2.0

@@ -31,8 +31,9 @@ REFERENCE_BISECTIONS = 14
 #: Techniques whose pictures are compared with the integral along the ray to which our ray caster converges. VTK's on
 #: the processor has no limit of its own: its numbers of 15 bits lose more with every shorter step.
 ONE_INTEGRAL = ("raycast", "two_pass_raycast", "slicing", "vtk_fixed_point")
-#: VTK's on the graphics card cannot be kept from ending rays early, so that its limit is another one.
-OWN_LIMIT = ("vtk_gpu",)
+#: These are compared with their own picture at the finest step: VTK's on the graphics card cannot be kept from ending
+#: rays early, so that its limit is another one, and its isosurface is lit in its own way.
+OWN_LIMIT = ("vtk_gpu", "vtk_isosurface")
 #: Largest picture that is drawn for it.
 MOST_PIXELS = 320 * 240
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
@@ -170,7 +171,7 @@ class ConvergenceRun:
 
     def _offset(self, truth: npt.NDArray[np.float64]) -> float | None:
         """Distance of VTK's limit from ours."""
-        if self._info.id not in OWN_LIMIT:
+        if "raycast" not in self._info.counterpart_of or self._info.id not in OWN_LIMIT:
             return None
         given = self._as_raycast(self._settings) | {"step": self._best}
         difference = 255.0 * (truth - self._picture("raycast", given))

@@ -39,18 +39,20 @@ def side_mesh(volume: Volume, technique: str, settings: Mapping[str, Any]) -> Me
     if isovalue is None:
         isovalue = auto_isovalue(volume)
     if technique in _FILTERS:
-        mesh = vtk_contour(_thinned(volume, int(settings.get("stride", 1))), isovalue, _FILTERS[technique])
+        mesh = vtk_contour(_as_drawn(volume, int(settings.get("stride", 1))), isovalue, _FILTERS[technique])
     else:
         mesh = _ours(volume, technique, isovalue, settings)
     vertices, faces, _ = clean_mesh(np.asarray(mesh[0]), np.asarray(mesh[1]), None)
     return vertices, faces
 
 
-def _thinned(volume: Volume, stride: int) -> Volume:
-    """Every n-th voxel, as VTK's techniques take them: what is left over at the far ends is not shown."""
-    if stride == 1:
+def _as_drawn(volume: Volume, stride: int) -> Volume:
+    """What VTK's techniques hand to VTK: every n-th voxel, and the lowest value where there is no number."""
+    array = volume.array[::stride, ::stride, ::stride]
+    finite = np.isfinite(array)
+    if stride == 1 and finite.all():
         return volume
-    array = np.ascontiguousarray(volume.array[::stride, ::stride, ::stride])
+    array = np.where(finite, array, np.asarray(volume.range[0], array.dtype))
     x, y, z = (stride * s for s in volume.spacing)
     return Volume(array, spacing=(x, y, z), origin=volume.origin, direction=volume.direction)
 
