@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw
 
 import volviz
 from volviz.framing import default_camera
+from volviz.kernels.histogram import joint_histogram
 from volviz.model.presets import preset_for
+from volviz.model.transfer_function_2d import Region, TransferFunction2D
 
 FOLDER = Path(__file__).parent.parent / "docs" / "images"
 SIZE = (420, 320)
@@ -110,6 +113,49 @@ def draw_modes() -> None:
     save(side_by_side(pictures, 3), "modes")
 
 
+def draw_regions() -> None:
+    """Regions over the joint histogram of value and gradient, the curve's picture and theirs."""
+    volume = volviz.load("sample:ct-chest")
+    regions = (
+        Region("ellipse", -450.0, 700.0, 80.0, 380.0, (0.45, 0.7, 1.0), 0.08, 0.8),
+        Region("ellipse", 450.0, 650.0, 50.0, 380.0, (1.0, 0.9, 0.7), 0.6, 0.6),
+        Region("rectangle", 60.0, 160.0, 0.0, 14.0, (0.85, 0.3, 0.25), 0.03, 0.5),
+    )
+    curve = volviz.TransferFunction.auto(volume)
+    function = replace(curve, by_gradient=TransferFunction2D(regions))
+    size = (300, 260)
+    pictures = [_plane(volume, regions, size)]
+    camera = default_camera(volume, size, transfer_function=curve)
+    for shown in (curve, function):
+        pixels = volviz.render(
+            volume, transfer_function=shown, size=size, camera=camera, background=BACKGROUND, shading=True
+        )
+        pictures.append(Image.fromarray(pixels).convert("RGB"))
+    save(side_by_side(pictures, 3), "regions")
+
+
+def _plane(volume: volviz.Volume, regions: tuple[Region, ...], size: tuple[int, int]) -> Image.Image:
+    """The joint histogram of value (right) and gradient magnitude (up) with outlines of regions."""
+    values, gradients = volume.range, (0.0, 420.0)
+    counts = joint_histogram(
+        volume.array, volume.spacing, bins=size, value_range=values, gradient_range=gradients
+    ).counts
+    level = np.minimum(np.log1p(counts) / np.quantile(np.log1p(counts), 0.995), 1.0)[::-1, :, None]
+    plane = np.asarray(BACKGROUND) + 0.7 * level * (1.0 - np.asarray(BACKGROUND))
+    image = Image.fromarray(np.rint(255 * plane).astype(np.uint8))
+    pen = ImageDraw.Draw(image)
+    for region in regions:
+        x = [
+            (region.value + side * region.width / 2 - values[0]) / (values[1] - values[0]) * size[0]
+            for side in (-1, 1)
+        ]
+        y = [size[1] * (1.0 - g / gradients[1]) for g in (region.gradient_high, region.gradient_low)]
+        color = tuple(round(255 * c) for c in region.color)
+        draw = pen.ellipse if region.kind == "ellipse" else pen.rectangle
+        draw((x[0], y[0], x[1], y[1]), outline=color, width=2)
+    return image
+
+
 def draw_window() -> None:
     """The desktop program with its first picture."""
     from volviz.environment import prepare
@@ -180,6 +226,7 @@ DRAWINGS: dict[str, Callable[[], None]] = {
     "slices": draw_slices,
     "modes": draw_modes,
     "comparison": draw_comparison,
+    "regions": draw_regions,
     "window": draw_window,
 }
 
