@@ -383,6 +383,7 @@ def test_ours_and_vtks_agree_to_45_decibels_and_ours_is_as_near_to_the_reference
     psnr = {(pair.first, pair.second): pair.metrics.psnr for pair in found.pairs}
     assert psnr["raycast", "vtk_gpu"] > 45
     assert psnr["raycast", "reference"] >= psnr["vtk_gpu", "reference"]
+    assert all(abs(offset) < 0.02 for pair in found.pairs for offset in pair.metrics.shift)
     # the oracle has all the time in the world
     assert found.side("reference").times is None
     assert found.side("raycast").times is not None

@@ -111,6 +111,7 @@ def _pair_table(comparison: Comparison) -> str:
             f"{m.mean_difference:.3f}",
             f"{m.max_difference:.1f}",
             f"{100 * m.visible_share:.2f} %",
+            "{:.2f}, {:.2f}".format(*(round(value, 2) + 0.0 for value in m.shift)),
             _ratio(comparison, pair),
         ]
         for pair in comparison.pairs

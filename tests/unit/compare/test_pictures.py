@@ -18,6 +18,7 @@ from volviz.compare.pictures import (
     compare_pictures,
     difference_image,
     luminance,
+    picture_shift,
     psnr,
     similarity_picture,
     ssim,
@@ -137,6 +138,28 @@ def test_every_difference_of_grey_pictures_can_be_drawn(kind: Any, channel: Any)
 def test_similarity_is_drawn_white_where_pictures_agree() -> None:
     drawn = similarity_picture(np.array([[1.0, 0.0], [-0.5, 0.5]]))
     assert drawn[..., 0].tolist() == [[255, 0], [0, 128]]
+
+
+@pytest.mark.parametrize("shift", [(0.3, -0.2), (-0.5, 0.0), (0.0, 0.0)])
+def test_a_shift_below_a_pixel_is_found(shift: tuple[float, float]) -> None:
+    y, x = np.mgrid[0:60, 0:80].astype(float)
+
+    def picture(right: float, down: float) -> npt.NDArray[Any]:
+        blobs = [(30, 25, 9.0), (55, 35, 7.0), (20, 45, 6.0)]
+        grey = sum(np.exp(-((x - right - i) ** 2 + (y - down - j) ** 2) / s**2) for i, j, s in blobs)
+        return np.repeat(np.asarray(grey)[..., None] / 2, 3, axis=-1)
+
+    first, second = picture(0.0, 0.0), picture(*shift)
+    assert picture_shift(first, second) == pytest.approx(shift, abs=0.01)
+    assert picture_shift(second, first) == pytest.approx([-s for s in shift], abs=0.01)
+    assert compare_pictures(first, second).shift == picture_shift(first, second)
+
+
+def test_plain_pictures_have_no_shift() -> None:
+    grey = np.full((9, 9, 3), 0.5)
+    assert picture_shift(grey, grey + 0.1) == (0.0, 0.0)
+    stripes = np.repeat(np.linspace(0, 1, 9)[None, :, None], 9, axis=0)
+    assert picture_shift(stripes, stripes) == (0.0, 0.0)
 
 
 def test_luminance_of_white_is_one() -> None:
