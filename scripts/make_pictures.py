@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -156,39 +157,61 @@ def _plane(volume: volviz.Volume, regions: tuple[Region, ...], size: tuple[int, 
     return image
 
 
-def draw_window() -> None:
-    """The desktop program with its first picture."""
+def draw_in_window(name: str, theme: str, sample: str, act: Callable[[Any], None] | None = None) -> None:
+    """The desktop program with a sample, after something was done in it."""
     from volviz.environment import prepare
 
     prepare()
     from PySide6.QtCore import QSettings
+    from PySide6.QtWidgets import QApplication
 
     from volviz_ui.application import make_application
 
-    application = make_application()
+    application = QApplication.instance() or make_application()
     from volviz_ui.main_window import MainWindow
     from volviz_ui.preferences import Preferences
     from volviz_ui.theme import Theme
 
-    for name in ("dark", "light"):
-        settings = QSettings(str(FOLDER / f"window-{name}.ini"), QSettings.Format.IniFormat)
-        window = MainWindow(Theme(application, name), Preferences(settings))
-        window.resize(1360, 860)
-        window.show()
-        window.open("sample:mri-brain" if name == "dark" else "sample:engine")
-        while window.display.handle is None or not window.display.handle.status.complete:
+    settings = QSettings(str(FOLDER / f"{name}.ini"), QSettings.Format.IniFormat)
+    window = MainWindow(Theme(application, theme), Preferences(settings))
+    window.resize(1360, 860)
+    window.show()
+    window.open(f"sample:{sample}")
+    for doing in (None, act):
+        if doing is not None:
+            doing(window)
+        while not window.views.is_complete or not window.ray_inspector.is_settled:
             application.processEvents()
         for _ in range(200):
             application.processEvents()
-        grabbed = window.grab().toImage().convertToFormat(window.grab().toImage().Format.Format_RGB888)
-        pixels = np.frombuffer(grabbed.constBits(), np.uint8).reshape(
-            grabbed.height(), grabbed.bytesPerLine()
-        )
-        image = pixels[:, : 3 * grabbed.width()].reshape(grabbed.height(), grabbed.width(), 3)
-        save(Image.fromarray(image.copy()), f"window-{name}")
-        window.close()
-        window.deleteLater()
-        Path(settings.fileName()).unlink(missing_ok=True)
+    grabbed = window.screen().grabWindow(window.winId()).toImage()
+    grabbed = grabbed.convertToFormat(grabbed.Format.Format_RGB888)
+    pixels = np.frombuffer(grabbed.constBits(), np.uint8).reshape(grabbed.height(), grabbed.bytesPerLine())
+    image = pixels[:, : 3 * grabbed.width()].reshape(grabbed.height(), grabbed.width(), 3)
+    save(Image.fromarray(image.copy()), name)
+    window.close()
+    window.deleteLater()
+    Path(settings.fileName()).unlink(missing_ok=True)
+
+
+def draw_window() -> None:
+    """The desktop program with its first picture."""
+    draw_in_window("window-dark", "dark", "mri-brain")
+    draw_in_window("window-light", "light", "engine")
+
+
+def draw_ray_inspector() -> None:
+    """A ray through the engine block, one of its samples chosen."""
+    from PySide6.QtWidgets import QApplication
+
+    def act(window: Any) -> None:
+        window.ray_dock.show()
+        window.ray_inspector.inspect((0.52, 0.49))
+        while window.ray_panel.plot.found is None:
+            QApplication.processEvents()
+        window.ray_panel.plot.choose(len(window.ray_panel.plot.found.profile.values) // 3)
+
+    draw_in_window("ray-inspector", "dark", "engine", act)
 
 
 def draw_comparison() -> None:
@@ -228,6 +251,7 @@ DRAWINGS: dict[str, Callable[[], None]] = {
     "comparison": draw_comparison,
     "regions": draw_regions,
     "window": draw_window,
+    "ray-inspector": draw_ray_inspector,
 }
 
 if __name__ == "__main__":

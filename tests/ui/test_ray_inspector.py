@@ -11,6 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import is_complete, picture
+from volviz.custom_gl.techniques.raycast.settings import RaycastSettings
 from volviz.model.transfer_function import TransferFunction
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.technique_box import choose_technique
@@ -138,6 +139,12 @@ def test_everything_can_be_done_with_the_keyboard(window: MainWindow, wait_for: 
     settle(window, wait_for)
     assert panel.plot.found.pixel == (200, height // 2)
     panel.plot.setFocus()
+    settings = (("raycast", RaycastSettings(preintegrated=True, step=0.1)),)
+    window.store.update(lambda scene: scene.with_view(settings=settings), label="Step")
+    settle(window, wait_for)
+    # long and pre-integrated rays are followed on a worker
+    assert "Pre-integrated" in panel.note.text()
+    assert len(panel.plot.found.profile.values) > 200
     QTest.keyClick(panel.plot, Qt.Key.Key_End)
     QTest.keyClick(panel.plot, Qt.Key.Key_Escape)
     assert panel.plot.chosen == -1

@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.kernels.preintegration import MAX_OPACITY, Extinction, segment_color
-from volviz.kernels.reference_march import March, segment_count
 from volviz.kernels.reference_rays import Plane, box_interval, index_limits, pixel_rays, plane_interval
 from volviz.kernels.reference_sampling import FLAT_GRADIENT, Float64Array, Shading
 
@@ -222,7 +221,10 @@ def ray_pieces(span: RaySpan, step: float, first_sample: float, *, jitter: float
     """
     inside = span.exit - span.entry
     place = first_sample if jitter is None else jitter
-    count = segment_count(inside, March(step, 0.5 if jitter is not None else first_sample, 1.0, 1.0, 0.0))
+    # `volviz.kernels.reference_march.segment_count`, without waiting for it to be compiled
+    whole = first_sample == 1.0 and jitter is None
+    pieces = np.floor(inside / step + 1e-9) if whole else np.ceil(inside / step - 1e-11)
+    count = max(int(pieces), 0)
     begins = step * np.arange(count, dtype=np.float64)
     fronts, lengths = span.entry + begins, np.minimum(step, inside - begins)
     return Pieces(fronts + place * lengths, fronts, lengths)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QObject, QPointF, QTimer, Signal
 
+from volviz.errors import VolvizError
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
 from volviz.model.scene import Scene, Store
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
 FOLLOW_MS = 15
 """After a change the ray is followed again this much later; further changes until then cost nothing."""
+SHORT_RAY = 4000
+"""Up to so many samples are computed at once, longer rays on a worker."""
 
 
 class _Wanted(NamedTuple):
@@ -40,6 +44,23 @@ class _Wanted(NamedTuple):
     size: tuple[int, int]
     pixel: tuple[int, int]
     depth: float | None
+
+    def inspected(self) -> RayInspection:
+        """Follow the ray; from any thread."""
+        return inspect_ray(
+            self.volume, self.technique, self.settings, self.function,
+            view=np.frombuffer(self.view).reshape(4, 4),
+            projection=np.frombuffer(self.projection).reshape(4, 4),
+            size=self.size, pixel=self.pixel, light=self.light, clipping=self.clipping, depth=self.depth,
+        )  # fmt: skip
+
+
+def _is_short(wanted: _Wanted) -> bool:
+    """Whether the ray takes a few milliseconds only, less than a worker may keep one waiting."""
+    if getattr(wanted.settings, "preintegrated", False):
+        return False
+    step = float(getattr(wanted.settings, "step", 0.5)) * min(wanted.volume.spacing)
+    return float(np.linalg.norm(wanted.volume.extent)) / step < SHORT_RAY
 
 
 class RayInspector(QObject):
@@ -184,17 +205,27 @@ class RayInspector(QObject):
             return
         if wanted == self._shown:
             return
+        if _is_short(wanted):
+            self._show(wanted, wanted.inspected)
+            return
         self._working = wanted
-        task = self._workers.start(lambda _task: _inspected(wanted))
+        task = self._workers.start(lambda _task: wanted.inspected())
         task.succeeded.connect(self._on_inspected)
         task.failed.connect(self._on_failed)
         task.ended.connect(self._on_ended)
 
     def _on_inspected(self, found: RayInspection) -> None:
         wanted = self._working
-        if wanted is None or not self.is_active or self.place is None:
-            return
+        if wanted is not None and self.is_active and self.place is not None:
+            self._show(wanted, lambda: found)
+
+    def _show(self, wanted: _Wanted, inspect: Callable[[], RayInspection]) -> None:
         self._shown = wanted
+        try:
+            found = inspect()
+        except VolvizError as error:
+            self._say(error)
+            return
         volume = wanted.volume
         length_unit = str(volume.metadata.get("length_unit", "mm"))
         self.panel.show_pixel(found.pixel)
@@ -206,6 +237,10 @@ class RayInspector(QObject):
 
     def _on_failed(self, error: object) -> None:
         self._shown = self._working
+        self._say(error)
+
+    def _say(self, error: object) -> None:
+        """There is no ray, and why."""
         self.panel.show_ray(None, "", "", (0.0, 1.0))
         self.panel.sentence.setText(str(error))
 
@@ -221,15 +256,6 @@ class RayInspector(QObject):
             return
         is_there = 0 <= index < len(found.profile.values)
         self.value_pointed.emit(float(found.profile.values[index]) if is_there else None)
-
-
-def _inspected(wanted: _Wanted) -> RayInspection:
-    """Runs on a worker."""
-    return inspect_ray(
-        wanted.volume, wanted.technique, wanted.settings, wanted.function,
-        view=np.frombuffer(wanted.view).reshape(4, 4), projection=np.frombuffer(wanted.projection).reshape(4, 4),
-        size=wanted.size, pixel=wanted.pixel, light=wanted.light, clipping=wanted.clipping, depth=wanted.depth,
-    )  # fmt: skip
 
 
 def _matrices(renderer: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:

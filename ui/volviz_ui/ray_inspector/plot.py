@@ -275,7 +275,10 @@ class RayPlot(QWidget):
     def _paint_opacities(self, painter: QPainter, palette: QPalette, found: RayInspection) -> None:
         area, profile = self.opacity_area, found.profile
         heights = self._opacity.fractions(np.clip(profile.opacities, 0.0, 1.0)) * area.height()
-        edges = np.append(profile.distances, self._length)
+        # behind the sample at which a ray ends early there is nothing
+        last = float(profile.distances[-1])
+        step = last - float(profile.distances[-2]) if len(profile.distances) > 1 else self._length - last
+        edges = np.append(profile.distances, last + step)
         painter.save()
         painter.setClipRect(area)
         bars = QPainterPath(QPointF(area.left(), area.bottom()))

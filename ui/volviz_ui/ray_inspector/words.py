@@ -21,7 +21,7 @@ def end_words(found: RayInspection, length_unit: str, tr: Translate) -> str:
     """One sentence on where the ray ends and why."""
     if found.ends == "missed":
         return tr("This ray misses what is shown of the volume.")
-    length = f"{found.span.exit - found.span.entry:.4g} {length_unit}"
+    length = f"{found.span.exit - found.span.entry:.4g} {length_unit}".strip()
     if found.ends == "opacity":
         gone = f"{found.profile.distances[-1]:.4g}"
         text = tr("Ends after %1 of %2: enough opacity has gathered (early termination at %3 %).")
@@ -74,7 +74,7 @@ def sample_words(found: RayInspection, index: int, unit: str, length_unit: str, 
         tr("%1 / %2  ·  %3  ·  %4  ·  opacity %5  ·  adds %6  ·  gathered %7"),
         str(index + 1),
         str(len(profile.values)),
-        f"{profile.distances[index]:.4g} {length_unit}",
+        f"{profile.distances[index]:.4g} {length_unit}".strip(),
         f"{profile.values[index]:.5g} {unit}".strip(),
         f"{profile.opacities[index]:.3g}",
         f"{after - before:.2g}",
