@@ -162,7 +162,7 @@ def draw_in_window(name: str, theme: str, sample: str, act: Callable[[Any], None
     from volviz.environment import prepare
 
     prepare()
-    from PySide6.QtCore import QSettings
+    from PySide6.QtCore import QEvent, QSettings
     from PySide6.QtWidgets import QApplication
 
     from volviz_ui.application import make_application
@@ -180,8 +180,10 @@ def draw_in_window(name: str, theme: str, sample: str, act: Callable[[Any], None
     for doing in (None, act):
         if doing is not None:
             doing(window)
-        while not window.views.is_complete or not window.ray_inspector.is_settled:
+        while not (window.views.is_complete and window.ray_inspector.is_settled) or window.workers.is_busy:
             application.processEvents()
+        # outside of the application's own loop nothing else delivers them: docks leave tab bars behind
+        application.sendPostedEvents(None, QEvent.Type.DeferredDelete)
         for _ in range(200):
             application.processEvents()
     grabbed = window.screen().grabWindow(window.winId()).toImage()
@@ -209,7 +211,7 @@ def draw_ray_inspector() -> None:
         window.ray_inspector.inspect((0.52, 0.49))
         while window.ray_panel.plot.found is None:
             QApplication.processEvents()
-        window.ray_panel.plot.choose(len(window.ray_panel.plot.found.profile.values) // 3)
+        window.ray_panel.plot.choose(int(np.argmax(window.ray_panel.plot.found.profile.values)))
 
     draw_in_window("ray-inspector", "dark", "engine", act)
 
