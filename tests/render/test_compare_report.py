@@ -425,3 +425,27 @@ def test_meshes_of_volumes_with_gaps_have_finite_figures() -> None:
     assert distance is not None
     # the gap is one voxel wide
     assert distance.hausdorff < 2.0
+
+
+def test_a_group_that_fails_does_not_end_a_suite(
+    volume_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good = [technique("raycast"), technique("slicing")]
+    monkeypatch.setattr("volviz.compare.suite.suite_groups", lambda: [[technique("raycast")], good])
+    output = tmp_path / "suite.json"
+    words = ["compare", str(volume_file), "--suite", "--size", "24x20", "--frames", "0", "-o", str(output)]
+    assert main(words) == 0
+    told = capsys.readouterr()
+    assert told.err == "volviz: small, raycast: a comparison needs at least two techniques, got 1.\n"
+    assert told.out.endswith("1 comparison\n")
+    monkeypatch.setattr("volviz.compare.suite.suite_groups", lambda: [[technique("raycast")]])
+    assert main(words) == 2
+
+
+def test_a_mesh_that_is_empty_has_figures_and_no_distance() -> None:
+    sides = [Side(name, {"isovalue": 99.0}) for name in ("marching_cubes", "vtk_flying_edges")]
+    found = compare(make_view(), sides, frames=0)
+    assert [side.mesh.faces for side in found.sides if side.mesh is not None] == [0, 0]
+    assert found.pairs[0].distance is None
+    assert math.isinf(found.pairs[0].metrics.psnr)
+    assert read(html_report([found]))

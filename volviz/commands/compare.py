@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from volviz.commands.inputs import add_input, hints_of, load_input, source_of
 from volviz.commands.pictures import parse_size, parse_values, transfer_function
 from volviz.commands.progress import ProgressLine
-from volviz.errors import InputError
+from volviz.errors import InputError, VolvizError
 
 if TYPE_CHECKING:
     from volviz.compare.results import Comparison
@@ -95,7 +96,7 @@ def run(options: argparse.Namespace) -> int:
     comparison = _compare(load_input(options), sides, options)
     save_reports([comparison], output)
     print(summary(comparison))
-    print(f"{output}: {len(comparison.sides)} techniques, {len(comparison.pairs)} pairs")
+    print(f"{output}: {len(comparison.sides)} techniques, {_count(len(comparison.pairs), 'pair')}")
     return 0
 
 
@@ -266,20 +267,33 @@ def _run_suite(options: argparse.Namespace, output: Path) -> int:
     if options.techniques:
         raise InputError("--suite chooses the techniques itself; leave -t out.")
     finished: list[Comparison] = []
-    stopped = False
+    stopped, failed = False, None
     try:
         volumes = [(load_input(options), None)] if options.file is not None else suite_volumes()
         for volume, preset in volumes:
             for group in suite_groups():
                 sides = sides_of([(info, {}) for info in group], options)
-                finished.append(_suite_entry(volume, preset, sides, options))
+                try:
+                    finished.append(_suite_entry(volume, preset, sides, options))
+                except VolvizError as error:
+                    # what one group cannot show must not cost the figures of the others
+                    print(f"volviz: {volume.name}, {group[0].id}: {error}", file=sys.stderr)
+                    failed = error
     except KeyboardInterrupt:
         stopped = True
         if not finished:
             raise
+    if not finished and failed is not None:
+        raise failed
     save_reports(finished, output)
-    print(f"{output}: {len(finished)} comparisons" + (", stopped before the end" if stopped else ""))
+    print(
+        f"{output}: {_count(len(finished), 'comparison')}" + (", stopped before the end" if stopped else "")
+    )
     return 130 if stopped else 0
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}" + ("" if number == 1 else "s")
 
 
 def _suite_entry(

@@ -63,7 +63,11 @@ def _contents(comparisons: Sequence[Comparison]) -> list[str]:
         for number, c in enumerate(comparisons)
         for pair in c.pairs
     ]
-    return [_table(["volume", "techniques", "PSNR", "SSIM", "largest difference", "time ratio"], rows, 2)]
+    return [
+        _table(
+            ["volume", "techniques", "PSNR", "SSIM", "largest difference", "time, second / first"], rows, 2
+        )
+    ]
 
 
 def _comparison(comparison: Comparison, number: int) -> list[str]:
