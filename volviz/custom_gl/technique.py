@@ -109,11 +109,11 @@ def regions_unused(info: TechniqueInfo, settings: Any) -> str:
         Instance of its settings class.
     """
     if not info.by_gradient:
-        return f"{info.label} draws the curve over the value; regions need a technique that classifies every sample."
+        return f"{info.label} draws the curve; regions over value and gradient wait."
     mode = getattr(settings, "mode", "composite")
     if mode not in CLASSIFYING_MODES:
         label = dict(MODES).get(mode, mode)
-        return f"{label} classifies one value per ray and draws the curve; regions need compositing or additive mode."
+        return f"{label} classifies one value per ray and draws the curve; regions wait."
     return ""
 
 
