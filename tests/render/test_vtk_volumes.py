@@ -194,3 +194,20 @@ def test_values_that_are_not_finite_and_long_integers_are_drawn() -> None:
     bytes_ = volume()
     expected = picture(bytes_, function(bytes_), camera(wide), size=SIZE, technique_id="vtk_gpu")
     assert psnr(shown, expected) > 50
+
+
+def test_a_volume_that_is_too_long_for_vtks_texture_is_refused_in_words(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from volviz.custom_gl.gpu.context import Gpu
+
+    of = volume()
+    made = Gpu.__init__
+
+    def small(self: Gpu) -> None:
+        made(self)
+        self.limits = dataclasses.replace(self.limits, max_3d_texture=32)
+
+    monkeypatch.setattr(Gpu, "__init__", small)
+    with pytest.raises(volviz.VolvizError, match=r"at most 32 voxels .* this volume has 35"):
+        picture(of, function(of), camera(of), size=SIZE, technique_id="vtk_gpu")

@@ -9,7 +9,7 @@ from volviz.custom_gl.technique import Tile
 #: Seconds that a piece may take: less than a turn of the event loop.
 PIECE_SECONDS = 0.025
 #: Pieces are not made smaller than this many pixels: each costs some milliseconds by itself.
-FEWEST_PIXELS = 256
+FEWEST_PIXELS = 96
 #: Share of the pieces of the last picture that were as quick as the estimate.
 QUICK_SHARE = 0.85
 #: Width below which pieces are not cut.

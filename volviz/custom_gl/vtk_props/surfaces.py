@@ -52,6 +52,31 @@ class _Surface(NamedTuple):
         return int(self.mesh.GetNumberOfCells())
 
 
+class _Drawn:
+    """An actor, and the surface that it shows."""
+
+    def __init__(self) -> None:
+        self.surface: _Surface | None = None
+        self.actor = vtk.vtkActor()
+        self.mapper = vtk.vtkPolyDataMapper()
+        self.mapper.ScalarVisibilityOff()
+        self.actor.SetMapper(self.mapper)
+        self.errors = ErrorWords(self.mapper, self.actor)
+
+    def show(self, surface: _Surface) -> None:
+        """Show this surface; nothing happens when it is shown already."""
+        if surface is not self.surface:
+            self.surface = surface
+            self.mapper.SetInputData(surface.mesh)
+            self.actor.SetUserMatrix(surface.placed.matrix)
+
+    def release(self, window: Any) -> None:
+        """Release what lies on the GPU; the context is current."""
+        self.actor.ReleaseGraphicsResources(window)
+        self.mapper.RemoveAllInputs()
+        self.surface = None
+
+
 class SurfaceProp:
     """A `vtkActor` with a mesh that a filter makes of the volume.
 
@@ -72,17 +97,19 @@ class SurfaceProp:
         self._background: Background[_Wish, _Surface] = Background()
         self._coarse: Background[_Wish, _Surface] = Background()
         self._full: _Surface | None = None
-        self._shown: _Surface | None = None
-        self.actor = vtk.vtkActor()
-        self.mapper = vtk.vtkPolyDataMapper()
-        self.mapper.ScalarVisibilityOff()
-        self.actor.SetMapper(self.mapper)
-        self.errors = ErrorWords(self.mapper, self.actor)
+        # one for the full mesh and one for stand-ins, so that neither is uploaded again after a gesture
+        self._drawn = {False: _Drawn(), True: _Drawn()}
+        self._now = self._drawn[False]
 
     @property
     def props(self) -> tuple[Any, ...]:
         """The surface."""
-        return (self.actor,)
+        return (self._now.actor,)
+
+    @property
+    def mapper(self) -> Any:
+        """VTK's mapper of the mesh that is shown."""
+        return self._now.mapper
 
     def prepare(self, frame: Frame) -> bool:
         """Extract the surface on a thread; True when there is one to show."""
@@ -97,21 +124,20 @@ class SurfaceProp:
             tuple(planes[MAX_PLANES:]),
         )
         surface = self._stand_in(frame, wish) if frame.interactive else None
+        drawn = self._drawn[surface is not None]
         if surface is None:
             surface = self._background.get(wish, lambda: self._extract(wish), PATIENCE)
-            if surface is not None:
-                self._full = surface
+            self._full = surface or self._full
         if surface is None:
             # while something moves, the surface of before is better than a picture that stands still
-            if not frame.interactive or self._shown is None or self._shown.wish.volume is not volume:
+            drawn = self._now
+            if not frame.interactive or drawn.surface is None or drawn.surface.wish.volume is not volume:
                 return False
-            surface = self._shown
-        if surface is not self._shown:
-            self._shown = surface
-            self.mapper.SetInputData(surface.mesh)
-            self.actor.SetUserMatrix(surface.placed.matrix)
-        set_planes(self.mapper, planes[:MAX_PLANES])
-        look = self.actor.GetProperty()
+            surface = drawn.surface
+        self._now = drawn
+        drawn.show(surface)
+        set_planes(drawn.mapper, planes[:MAX_PLANES])
+        look = drawn.actor.GetProperty()
         look.SetColor(*settings.color)
         look.SetSpecularColor(1.0, 1.0, 1.0)
         look.SetAmbient(settings.ambient)
@@ -163,12 +189,12 @@ class SurfaceProp:
 
     def check(self) -> None:
         """Raise what VTK complained about while it drew."""
-        self.errors.raise_any(self.mapper.GetClassName())
+        self._now.errors.raise_any(self.mapper.GetClassName())
 
     def release(self, window: Any) -> None:
         """Release what lies on the GPU; the context is current."""
         self._background.close()
         self._coarse.close()
-        self.actor.ReleaseGraphicsResources(window)
-        self.mapper.RemoveAllInputs()
-        self._shown = self._full = None
+        self._full = None
+        for drawn in self._drawn.values():
+            drawn.release(window)

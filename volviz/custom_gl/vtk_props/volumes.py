@@ -9,6 +9,7 @@ from volviz.custom_gl.vtk_props.clipping import Plane, image_box, set_planes, sh
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.custom_gl.vtk_props.functions import set_functions
 from volviz.custom_gl.vtk_props.images import PlacedImage
+from volviz.errors import RenderError
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
@@ -127,6 +128,22 @@ class GpuVolumeProp(VolumeProp):
         mapper.LockSampleDistanceToInputSpacingOff()
         mapper.SetImageSampleDistance(1.0)
         super().__init__(mapper)
+
+    def prepare(self, frame: Frame) -> bool:
+        """Take the values of a frame.
+
+        Raises
+        ------
+        RenderError
+            The volume is too long for a texture; VTK would show nothing.
+        """
+        longest, limit = max(frame.volume.dimensions), frame.gpu.limits.max_3d_texture
+        if longest > limit:
+            raise RenderError(
+                f"VTK's ray caster takes at most {limit} voxels along an axis with this driver, this volume has "
+                f"{longest}; crop the file, or take vtk_fixed_point."
+            )
+        return super().prepare(frame)
 
     def sample(self, frame: Frame) -> None:
         """The step, and VTK's own jitter on request."""

@@ -14,7 +14,7 @@ class VtkShadows(GpuVolumeProp):
 
     always_lit = True
     #: A ray for every sample of every ray.
-    seconds_per_pixel = 1e-4
+    seconds_per_pixel = 2.5e-4
 
     def sample(self, frame: Frame) -> None:
         """The step, and how shadow rays are cast."""
