@@ -14,6 +14,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 import volviz
 from tests.render.scenes import POINTS, blobs
@@ -449,3 +450,15 @@ def test_a_mesh_that_is_empty_has_figures_and_no_distance() -> None:
     assert found.pairs[0].distance is None
     assert math.isinf(found.pairs[0].metrics.psnr)
     assert read(html_report([found]))
+
+
+def test_files_of_settings_appear_by_their_names(volume_file: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "normals.png"
+    Image.fromarray(np.full((8, 8, 3), (128, 128, 255), np.uint8)).save(picture)
+    output = tmp_path / "r.html"
+    words = ["-t", f"bump_mapping:normal_source=image:normal_image={picture}", "-t", "bump_mapping"]
+    words += ["--set", f"normal_image={picture}", "--size", "40x40", "--frames", "0", "-o", str(output)]
+    assert main(["compare", str(volume_file), *words]) == 0
+    told = output.read_text(encoding="utf-8")
+    assert "normal_image=normals.png" in told
+    assert str(tmp_path) not in told

@@ -212,9 +212,9 @@ def command_line(options: argparse.Namespace) -> str:
     if options.file is not None or not options.suite:
         words.append(bare(source_of(options)))
     for text in options.techniques:
-        words += ["-t", text]
+        words += ["-t", ":".join(_bare_setting(part) for part in text.split(":"))]
     for text in options.values:
-        words += ["--set", text]
+        words += ["--set", _bare_setting(text)]
     for name in ("isovalue", "preset", "size", "camera", "view_angle"):
         value = getattr(options, name)
         if value is not None:
@@ -231,6 +231,15 @@ def command_line(options: argparse.Namespace) -> str:
     for name, hint in hints_of(options).items():
         words += [f"--{name}", ",".join(map(str, hint)) if isinstance(hint, tuple) else str(hint)]
     return shlex.join([*words, "-o", Path(options.output).name])
+
+
+def _bare_setting(text: str) -> str:
+    """NAME=VALUE with a file by its name alone."""
+    from volviz.custom_gl.registry import techniques
+
+    name, equals, value = text.partition("=")
+    paths = {p.name for info in techniques().values() for p in info.parameters if p.kind == "path"}
+    return name + equals + (bare(value) if name.strip() in paths and value else value)
 
 
 def bare(source: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from volviz.compare.convergence import Convergence, ConvergenceRun, converging_parameter
@@ -19,7 +20,7 @@ from volviz.compare.stage import Stage, View
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.compare.timing import FrameTimes, stage_timer
 from volviz.errors import InputError
-from volviz.model.parameters import parameters_of
+from volviz.model.parameters import Parameter, parameters_of
 from volviz.model.volume import Volume
 
 #: Techniques that are drawn once: an oracle has all the time in the world.
@@ -141,7 +142,10 @@ class ComparisonRun:
         yield 1.0, "done"
 
     def _side_result(self, side: MatchedSide, stage: Stage) -> SideResult:
-        settings = {p.name: getattr(stage.settings, p.name) for p in parameters_of(type(stage.settings))}
+        settings = {
+            p.name: shown_value(p, getattr(stage.settings, p.name))
+            for p in parameters_of(type(stage.settings))
+        }
         samples = ray_samples(
             self._view.volume, self._view.camera, self._view.size, side.technique, stage.settings,
             self._view.clipping,
@@ -215,6 +219,11 @@ class ComparisonRun:
             command=self._command,
             remarks=REMARKS,
         )
+
+
+def shown_value(parameter: Parameter, value: Any) -> Any:
+    """A setting as reports show it: files by their names alone, since folders are nobody's business."""
+    return Path(value).name if parameter.kind == "path" and value else value
 
 
 def compare(view: View, sides: Sequence[Side], **options: Any) -> Comparison:
