@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,9 +12,12 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import drag, is_complete, picture
+from volviz.model.scene import Layer, Scene, VolumeRef
+from volviz.model.transfer_function import TransferFunction
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.technique_box import choose_technique
+from volviz_ui.script import script_of
 
 Wait = Callable[..., None]
 
@@ -96,3 +101,21 @@ def test_each_kind_of_region_is_drawn(planar: MainWindow, wait_for: Wait) -> Non
         seen.append(picture(planar))
     for i, j in ((0, 1), (0, 2), (1, 2)):
         assert np.abs(seen[i] - seen[j]).max() > 4
+
+
+def test_the_copied_script_draws_the_regions(ball_file: str) -> None:
+    regions = TransferFunction2D(
+        (
+            Region("ellipse", 120.5, 80.25, 3.125, 40.0, (1.0, 0.5, 0.25), 0.35, 0.75),
+            Region("triangle", 60.0, 50.0, 0.0, 12.0, (0.0, 0.25, 1.0), 1.0, 0.0),
+        )
+    )
+    curve = TransferFunction.from_points([(0.0, (0, 0, 0, 0)), (200.0, (1, 1, 1, 1))])
+    for by_gradient in (regions, TransferFunction2D()):
+        function = replace(curve, by_gradient=by_gradient)
+        script = script_of(Scene(layers=(Layer(VolumeRef(ball_file), function),)), (64, 48))
+        scope: dict[str, Any] = {}
+        exec(script.partition("picture = ")[0], scope)
+        assert scope["transfer_function"] == function
+    off = replace(curve, by_gradient=replace(regions, enabled=False))
+    assert "Region" not in script_of(Scene(layers=(Layer(VolumeRef(ball_file), off),)), (64, 48))

@@ -9,6 +9,7 @@ from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
 from volviz.model.scene import Scene
+from volviz.model.transfer_function_2d import Region, TransferFunction2D
 from volviz_ui.panels.technique_box import current_settings, current_technique
 
 
@@ -27,7 +28,12 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
         return "import volviz\n"
     hints = "".join(f", {key}={value!r}" for key, value in layer.volume.hints)
     points = layer.transfer_function.points
-    lines = ["import volviz", "", f"volume = volviz.load({layer.volume.source!r}{hints})"]
+    regions = _regions(layer.transfer_function.by_gradient)
+    lines = ["import volviz"]
+    if regions:
+        lines = ["from dataclasses import replace", "", *lines]
+        lines += ["from volviz.model.transfer_function_2d import Region, TransferFunction2D"]
+    lines += ["", f"volume = volviz.load({layer.volume.source!r}{hints})"]
     lines += ["transfer_function = volviz.TransferFunction.from_points(", "    ["]
     lines += [f"        ({_number(p.value)}, {_tuple(p.rgba)})," for p in points]
     domain = layer.transfer_function.domain
@@ -36,6 +42,7 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     if layer.transfer_function.opacity != 1.0:
         opacity = _number(layer.transfer_function.opacity)
         lines[-1] += f".with_opacity({opacity})"
+    lines += regions
     info = current_technique(scene)
     lines += ["picture = volviz.render(", "    volume,", f"    {info.id!r},"]
     lines += ["    transfer_function=transfer_function,", f"    size={size},"]
@@ -50,6 +57,18 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
             lines.append(f"    {parameter.name}={_value(value)},")
     lines += [")", ""]
     return "\n".join(lines)
+
+
+def _regions(by_gradient: TransferFunction2D | None) -> list[str]:
+    """Regions over value and gradient, where they are what is drawn."""
+    if by_gradient is None or not by_gradient.enabled:
+        return []
+    lines = ["regions = TransferFunction2D(", "    ("]
+    for region in by_gradient.regions:
+        values = ", ".join(_value(getattr(region, field.name)) for field in fields(Region))
+        lines += [f"        Region({values}),"]
+    lines += ["    )", ")", "transfer_function = replace(transfer_function, by_gradient=regions)"]
+    return lines
 
 
 def _camera(camera: Camera) -> str:
