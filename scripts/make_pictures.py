@@ -246,6 +246,24 @@ def draw_comparison() -> None:
     print("convergence.svg")
 
 
+def draw_comparison_in_window() -> None:
+    """Our ray caster beside VTK's, with the Compare panel."""
+    from PySide6.QtWidgets import QApplication
+
+    def act(window: Any) -> None:
+        # the panel needs the height
+        window.docks[2].hide()
+        window.actions_.with_vtk.trigger()
+        window.actions_.reset_camera.trigger()
+        while window.measurements.figures is None:
+            QApplication.processEvents()
+        window.compare_panel.time_button.click()
+        while window.measurements.timing.is_running:
+            QApplication.processEvents()
+
+    draw_in_window("window-compare", "dark", "engine", act)
+
+
 DRAWINGS: dict[str, Callable[[], None]] = {
     "techniques": draw_techniques,
     "slices": draw_slices,
@@ -254,6 +272,7 @@ DRAWINGS: dict[str, Callable[[], None]] = {
     "regions": draw_regions,
     "window": draw_window,
     "ray-inspector": draw_ray_inspector,
+    "window-compare": draw_comparison_in_window,
 }
 
 if __name__ == "__main__":

@@ -49,9 +49,9 @@ class CompareCommands(QObject):
 
     def split(self, on: bool) -> None:
         """Two views and the panel that compares them, or the first view alone again."""
-        self.set_view_count(2 if on else 1)
         if on:
             self.show_panel()
+        self.set_view_count(2 if on else 1)
 
     def show_panel(self) -> None:
         """Bring the Compare panel to the front."""
@@ -60,6 +60,8 @@ class CompareCommands(QObject):
             self._window.tabifyDockWidget(data, dock)
         dock.show()
         dock.raise_()
+        # at once: what the views have left decides whether the camera must step back
+        self._window.layout().activate()
 
     def compare_with_vtk(self) -> None:
         """Put VTK's counterpart with the same settings beside the active view."""
@@ -77,8 +79,8 @@ class CompareCommands(QObject):
             changed = replace(scene, views=(view, replace(view, technique=other.id)), active=0)
             return match_second(changed, 0, 1)
 
-        self._change_views(beside, self.tr("Compare with VTK"))
         self.show_panel()
+        self._change_views(beside, self.tr("Compare with VTK"))
 
     def activate_next(self) -> None:
         """Let panels and keys act on the next view."""

@@ -166,6 +166,8 @@ class Measurements(QObject):
             self._panel.show_nothing(self.tr("Split the view to compare: Compare, Two views (Ctrl+2)."))
             self._panel.show_differences([])
             return
+        if self.figures is None:
+            self._panel.show_state("")
         first, second = (current_technique(scene, pane.view) for pane in pair)
         self._panel.show_names(first.label, second.label)
         self._panel.show_differences(setting_differences(scene, pair[0].view, pair[1].view))

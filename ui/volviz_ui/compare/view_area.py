@@ -260,8 +260,11 @@ class ViewArea(QWidget):
             pane.display.end_gesture()
 
     def _on_camera_moved(self) -> None:
+        # the hidden one of a blinking pair is drawn when it is shown, or when the drag is over
+        follows_unseen = self.arrangement.difference.isVisible()
         for pane in self.panes:
-            if pane.viewport is not self.sender():
+            unseen = pane.viewport.is_covered and not follows_unseen
+            if pane.viewport is not self.sender() and not unseen:
                 pane.viewport.render()
 
     # ------------------------------------------------------------------ from the scene to the pictures
