@@ -13,7 +13,7 @@ from PIL import Image
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QTabBar
+from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog, QPushButton, QTabBar
 
 from tests.ui.conftest import foreground, is_complete, picture
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
@@ -29,13 +29,27 @@ from volviz_ui.theme import Theme
 Wait = Callable[..., None]
 
 
+def save(
+    window: MainWindow, wait_for: Wait, path: Path, size: tuple[int, int], *, transparent: bool
+) -> list[str]:
+    """Export and wait for the end; what was saved."""
+    saved: list[str] = []
+    export = window.file_commands.save_picture(str(path), size, transparent=transparent)
+    assert export is not None
+    export.saved.connect(saved.append)
+    ended: list[bool] = []
+    export.ended.connect(lambda: ended.append(True))
+    wait_for(lambda: bool(ended))
+    return saved
+
+
 def test_an_exported_picture_has_the_size_and_shows_what_the_viewport_shows(
-    window: MainWindow, tmp_path: Path
+    window: MainWindow, wait_for: Wait, tmp_path: Path
 ) -> None:
     shown = picture(window)
     height, width = shown.shape[:2]
     path = tmp_path / "out.png"
-    assert window.file_commands.save_picture(str(path), (width, height), transparent=False)
+    assert save(window, wait_for, path, (width, height), transparent=False) == [str(path)]
     saved = np.asarray(Image.open(path), float)
     assert saved.shape == (height, width, 3)
     marker = np.zeros((height, width), bool)
@@ -44,19 +58,55 @@ def test_an_exported_picture_has_the_size_and_shows_what_the_viewport_shows(
     assert np.percentile(difference, 99) <= 4
 
 
-def test_a_transparent_picture_has_alpha_only_where_the_volume_is(window: MainWindow, tmp_path: Path) -> None:
+def test_a_transparent_picture_has_alpha_only_where_the_volume_is(
+    window: MainWindow, wait_for: Wait, tmp_path: Path
+) -> None:
     path = tmp_path / "cut_out.png"
-    assert window.file_commands.save_picture(str(path), (300, 200), transparent=True)
+    assert save(window, wait_for, path, (300, 200), transparent=True) == [str(path)]
     saved = np.asarray(Image.open(path))
     assert saved.shape == (200, 300, 4)
     assert saved[0, 0, 3] == 0
     assert saved[100, 150, 3] > 30
 
 
-def test_a_picture_that_cannot_be_saved_is_told_in_one_sentence(window: MainWindow, tmp_path: Path) -> None:
-    assert not window.file_commands.save_picture(
-        str(tmp_path / "no" / "folder.png"), (40, 30), transparent=False
-    )
+def test_an_export_can_be_cancelled_and_leaves_the_file_that_was_there(
+    window: MainWindow, wait_for: Wait, tmp_path: Path
+) -> None:
+    path = tmp_path / "old.png"
+    path.write_bytes(b"what was there")
+    export = window.file_commands.save_picture(str(path), (6000, 6000), transparent=False)
+    assert export is not None
+    told: list[float] = []
+    export.progressed.connect(told.append)
+    wait_for(lambda: len(told) > 2)
+    assert told[-1] < 1.0
+    (dialog,) = window.findChildren(QProgressDialog)
+    wait_for(dialog.isVisible)
+    (button,) = dialog.findChildren(QPushButton)
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert export.is_over
+    assert path.read_bytes() == b"what was there"
+    assert [p.name for p in tmp_path.iterdir() if p.suffix == ".png"] == ["old.png"]
+
+
+def test_a_window_that_closes_gives_up_its_exports(
+    bare_window: MainWindow, ball_file: str, wait_for: Wait, tmp_path: Path
+) -> None:
+    bare_window.open(ball_file)
+    wait_for(lambda: is_complete(bare_window))
+    export = bare_window.file_commands.save_picture(str(tmp_path / "a.png"), (3000, 3000), transparent=True)
+    assert export is not None
+    told: list[float] = []
+    export.progressed.connect(told.append)
+    wait_for(lambda: bool(told))
+    bare_window.close()
+    assert export.is_over
+
+
+def test_a_picture_that_cannot_be_saved_is_told_in_one_sentence(
+    window: MainWindow, wait_for: Wait, tmp_path: Path
+) -> None:
+    assert save(window, wait_for, tmp_path / "no" / "folder.png", (40, 30), transparent=False) == []
     (box,) = [b for b in window.findChildren(QMessageBox) if b.isVisible()]
     assert "\n" not in box.text()
     box.close()

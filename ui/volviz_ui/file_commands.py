@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QApplication, QFileDialog
+from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QApplication, QFileDialog, QProgressDialog
 
-from volviz.errors import VolvizError
 from volviz.model.scene import Scene
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
 from volviz.model.volume import Volume
@@ -18,6 +17,7 @@ from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
 from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.picture_export import PictureExport
 from volviz_ui.scenery import background_picture
 from volviz_ui.script import script_of
 from volviz_ui.surface import shows_mesh
@@ -26,7 +26,10 @@ if TYPE_CHECKING:
     from volviz_ui.main_window import MainWindow
 
 PICTURES = "PNG (*.png);;TIFF (*.tif *.tiff);;JPEG (*.jpg *.jpeg)"
-OPAQUE_SUFFIXES = (".jpg", ".jpeg")
+STEPS = 1000
+"""Of the bar that shows the progress of an export."""
+QUICK_MS = 400
+"""Exports that are done sooner show no progress."""
 
 
 class FileCommands(QObject):
@@ -35,6 +38,7 @@ class FileCommands(QObject):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self._window = window
+        self._exports: list[PictureExport] = []
 
     def open_file(self) -> None:
         """Ask for a file and open it."""
@@ -120,28 +124,56 @@ class FileCommands(QObject):
         if path:
             self.save_picture(path, size, transparent=transparent)
 
-    def save_picture(self, path: str, size: tuple[int, int], *, transparent: bool) -> bool:
-        """Draw the scene at a size and save it; False when that failed (and was told)."""
-        from PIL import Image
-
+    def save_picture(self, path: str, size: tuple[int, int], *, transparent: bool) -> PictureExport | None:
+        """Draw the scene at a size and save it, with progress and cancel, while the window goes on."""
         volume = self._window.documents.volume
         if volume is None:
-            return False
-        if not Path(path).suffix:
-            path += ".png"
-        opaque = not transparent or path.lower().endswith(OPAQUE_SUFFIXES)
-        QApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
-        try:
-            picture = drawn_picture(self._window.store.scene, volume, size, transparent=not opaque)
-            image = Image.fromarray(picture[..., :3] if opaque else picture)
-            image.save(path)
-        except (VolvizError, OSError, ValueError, MemoryError) as error:
-            show_error(self._window, self.tr("The picture was not saved"), error)
-            return False
-        finally:
-            QApplication.restoreOverrideCursor()
-        self._window.status_line.showMessage(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
-        return True
+            return None
+        export = PictureExport(
+            self._window.store.scene,
+            volume,
+            path,
+            size,
+            transparent=transparent,
+            workers=self._window.workers,
+            parent=self,
+        )
+        name = Path(export.path).name
+        dialog = QProgressDialog(self._window)
+        dialog.setWindowTitle(self.tr("Export picture"))
+        dialog.setLabelText(self.tr("Drawing %1…").replace("%1", name))
+        dialog.setCancelButtonText(self.tr("Cancel"))
+        dialog.setAccessibleName(self.tr("Progress of the export"))
+        dialog.setRange(0, STEPS)
+        dialog.setAutoClose(False)
+        dialog.setAutoReset(False)
+        dialog.setMinimumDuration(QUICK_MS)
+        dialog.setValue(0)
+        dialog.canceled.connect(export.cancel)
+        export.progressed.connect(lambda part: dialog.setValue(round(part * STEPS)))
+        export.saved.connect(
+            lambda _path: self._window.status_line.showMessage(self.tr("Saved %1").replace("%1", name), 5000)
+        )
+        export.failed.connect(
+            lambda error: show_error(self._window, self.tr("The picture was not saved"), error)
+        )
+        self._exports.append(export)
+
+        def forget() -> None:
+            self._exports.remove(export)
+            dialog.canceled.disconnect(export.cancel)
+            dialog.close()
+            dialog.deleteLater()
+            export.deleteLater()
+
+        export.ended.connect(forget)
+        export.start()
+        return export
+
+    def close(self) -> None:
+        """Give up what is being exported, before the window goes."""
+        for export in list(self._exports):
+            export.cancel()
 
     def export_mesh(self) -> ExportMeshDialog | None:
         """Ask for format and file, and write the mesh that is shown; None where there is none."""

@@ -551,6 +551,7 @@ class MainWindow(QMainWindow):
         self._panel_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
+        self.file_commands.close()
         self.ray_inspector.close()
         self.transfer_editor.close_workers()
         self.measurements.close()
