@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QColorDialog
 
@@ -93,6 +93,24 @@ def test_the_overall_opacity_is_one_step_a_drag(editor, store, qtbot) -> None:
     store.undo()
     assert function(store).opacity == 1.0
     assert slider.value() == 1000
+
+
+def test_escape_takes_a_drag_of_the_overall_opacity_back(editor, store, qtbot) -> None:
+    slider = editor.fields.overall
+    middle = slider.rect().center()
+    grip = QPoint(slider.width() - 4, middle.y())
+    qtbot.mousePress(slider, Qt.MouseButton.LeftButton, pos=grip)
+    qtbot.mouseMove(slider, middle)
+    assert function(store).opacity < 0.9
+    qtbot.keyClick(slider, Qt.Key.Key_Escape)
+    assert function(store) == start_function()
+    qtbot.mouseMove(slider, middle / 2)
+    qtbot.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=middle / 2)
+    assert function(store) == start_function()
+    assert slider.value() == 1000
+    assert store.undo_label is None
+    qtbot.keyClick(slider, Qt.Key.Key_PageDown)
+    assert function(store).opacity == 0.9
 
 
 def test_undo_brings_the_old_points_back_into_the_fields(editor, store, qtbot) -> None:

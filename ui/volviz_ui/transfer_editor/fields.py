@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette, QPen
-from PySide6.QtWidgets import QColorDialog, QGridLayout, QLabel, QPushButton, QSizePolicy, QWidget
+from PySide6.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPaintEvent, QPalette, QPen
+from PySide6.QtWidgets import (
+    QApplication,
+    QColorDialog,
+    QGridLayout,
+    QLabel,
+    QPushButton,
+    QSizePolicy,
+    QWidget,
+)
 
 from volviz.model import transfer_edits as edits
 from volviz.model.transfer_lanes import with_moved_stop
@@ -57,6 +65,7 @@ class Fields(QWidget):
         super().__init__(parent)
         self._model = model
         self._dialog: QColorDialog | None = None
+        self._cancelled = False
         self.caption = QLabel(self)
         self.caption.setProperty("quiet", True)
         self.value = NumberField(parent=self)
@@ -117,6 +126,7 @@ class Fields(QWidget):
         self.overall.sliderPressed.connect(self._on_overall_pressed)
         self.overall.sliderReleased.connect(model.finish)
         self.overall.valueChanged.connect(self._on_overall)
+        self.overall.installEventFilter(self)
         model.function_changed.connect(self.refresh)
         model.selection_changed.connect(self.refresh)
         model.range_changed.connect(self.refresh)
@@ -211,10 +221,30 @@ class Fields(QWidget):
                 function = function.with_changed_point(i, opacity=opacity)
             self._model.apply(function, self.tr("Change opacity"))
 
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Escape takes a drag of the slider back."""
+        if (
+            isinstance(event, QKeyEvent)
+            and event.type() == QEvent.Type.KeyPress
+            and event.key() == Qt.Key.Key_Escape
+            and self.overall.isSliderDown()
+        ):
+            self._cancelled = True
+            self._model.cancel()
+            self.overall.setSliderDown(False)
+            self.refresh()
+            return True
+        return super().eventFilter(watched, event)
+
     def _on_overall_pressed(self) -> None:
+        self._cancelled = False
         self._model.begin(self.tr("Overall opacity"))
 
     def _on_overall(self, position: int) -> None:
+        if self._cancelled and QApplication.mouseButtons() != Qt.MouseButton.NoButton:
+            # the button is still down, but nothing is being dragged any more
+            self.refresh()
+            return
         function = self._model.function
         if function is not None:
             self._model.apply(function.with_opacity(position / 1000.0), self.tr("Overall opacity"))
