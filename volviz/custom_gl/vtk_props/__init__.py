@@ -1,4 +1,4 @@
 """What the techniques that show VTK's own mappers share: images, transfer functions, clipping, settings.
 
-Only `settings` and `info` may be imported without VTK.
+Only `settings` is imported without VTK: techniques are listed far more often than drawn.
 """
