@@ -254,20 +254,22 @@ class Session:
         x, y = self.size[0] * 0.4, self.size[1] * 0.5
         self.gaps.restart()
         self.mouse(QEvent.Type.MouseButtonPress, x, y, left, left)
-        seconds, levels = [], []
+        seconds, worked, levels = [], [], []
         for i in range(moves):
-            frames, begin = self.viewport.frames, time.perf_counter()
+            frames, begin, processor = self.viewport.frames, time.perf_counter(), time.process_time()
             self.mouse(QEvent.Type.MouseMove, x + 4 * (i + 1), y + i, none, left)
             self.wait(lambda frames=frames: self.viewport.frames > frames)
             if i >= warm_up:
                 seconds.append(time.perf_counter() - begin)
+                worked.append(time.process_time() - processor)
                 levels.append(status.status.resolution)
         dragging = self.gaps.milliseconds()
         self.mouse(QEvent.Type.MouseButtonRelease, x + 4 * moves, y + moves, left, none)
         settled = self.settle()
         print(
             f"drag {name} at {self.size[0]} x {self.size[1]}: {1 / statistics.mean(seconds):.1f} frames a second "
-            f"(median {1e3 * statistics.median(seconds):.0f} ms, slowest {1e3 * max(seconds):.0f} ms), "
+            f"(median {1e3 * statistics.median(seconds):.0f} ms, slowest {1e3 * max(seconds):.0f} ms, "
+            f"{1e3 * statistics.median(worked):.0f} ms of processor time a frame), "
             f"resolution {statistics.median(levels):.2f}, longest gap {dragging:.0f} ms; "
             f"after release complete in {settled:.2f} s, longest gap {self.gaps.milliseconds():.0f} ms"
         )

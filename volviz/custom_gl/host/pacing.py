@@ -49,13 +49,14 @@ LEVELS = (
     Level(0.1875, 2.0),
     Level(0.125, 2.0),
     Level(0.125, 4.0),
+    Level(0.125, 8.0),
 )
 #: Seconds that our part of an interactive frame may take: 15 frames a second leave 66 ms for everything, and VTK's
 #: part and the window system's take some 35 of them on software OpenGL.
 BUDGET = {"fast": 0.012, "balanced": 0.022, "full": math.inf}
-#: Level of the very first interactive frame, when nothing is known of the cost yet: the coarsest, since that frame may
-#: have to wait for shaders too.
-FIRST_LEVEL = LEVELS[-1]
+#: Level of the very first interactive frame, when nothing is known of the cost yet: a coarse one, since that frame
+#: may have to wait for shaders too.
+FIRST_LEVEL = Level(0.125, 4.0)
 
 
 class Pacer(Protocol):
