@@ -337,12 +337,12 @@ def test_a_light_inside_the_volume_is_said_in_words_and_drawn_as_a_headlight() -
     view = camera(of)
     plotter, handle = window_with(of, view, light_position=of.center)
     try:
-        assert handle._technique.notice == INSIDE
+        assert handle._runner.technique.notice == INSIDE
         from_inside = handle.read_picture()
         handle.update(headlight=True)
         plotter.render()
         handle.raise_error()
-        assert handle._technique.notice == ""
+        assert handle._runner.technique.notice == ""
         assert np.array_equal(from_inside, handle.read_picture())
     finally:
         handle.remove()

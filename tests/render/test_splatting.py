@@ -320,12 +320,12 @@ def test_quads_draw_the_same_picture_as_points() -> None:
         try:
             gpu = handle._gpu.gpu
             points = handle.read_picture()
-            assert not handle._technique._layout.quads
+            assert not handle._runner.technique._layout.quads
             gpu.limits = dataclasses.replace(gpu.limits, max_point_size=1.0)
             handle.update(splat_size=1.5)
             plotter.render()
             handle.raise_error()
-            assert handle._technique._layout.quads
+            assert handle._runner.technique._layout.quads
             quads = handle.read_picture()
         finally:
             handle.remove()

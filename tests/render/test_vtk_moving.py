@@ -76,7 +76,7 @@ def test_a_mesh_of_many_triangles_moves_as_a_coarser_one(monkeypatch: pytest.Mon
     plotter, handle = shown("vtk_flying_edges", of, specular=0.0)
     try:
         full = handle.read_picture()
-        prop = handle._technique._technique
+        prop = handle._runner.technique._technique
         many = prop.mapper.GetInput().GetNumberOfCells()
         assert many > 1600
         handle.begin_interaction()
@@ -101,7 +101,7 @@ def test_fewer_and_larger_splats_move(monkeypatch: pytest.MonkeyPatch) -> None:
     plotter, handle = shown("vtk_point_gaussian", of)
     try:
         full = handle.read_picture()
-        prop = handle._technique._technique
+        prop = handle._runner.technique._technique
         handle.begin_interaction()
         handle._cost.observe(FULL, 1.0)
         plotter.camera.Azimuth(10)

@@ -3,48 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 from volviz.custom_gl.host.handle import VolumeHandle, handles_of
 from volviz.custom_gl.host.pacing import Pacer
+from volviz.custom_gl.host.shown import split_values
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.registry import technique as technique_info
-from volviz.custom_gl.settings import SharedSettings
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import InputError
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
-from volviz.model.parameters import make_settings, parameters_of
+from volviz.model.parameters import make_settings
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-
-
-def split_values(
-    values: Mapping[str, Any], light: Light, clipping: Clipping
-) -> tuple[Light, Clipping, dict[str, Any]]:
-    """Keywords as light, clipping and the rest, which belongs to the technique.
-
-    A light position without a word on the headlight switches the headlight off: it was meant to be seen.
-    """
-    shared = {p.name: p for p in parameters_of(SharedSettings)}
-    own = {name: value for name, value in values.items() if name not in shared}
-    given = {name: shared[name].checked(value) for name, value in values.items() if name in shared}
-    changes: dict[str, Any] = {}
-    if "light_position" in given:
-        changes["position"] = given["light_position"]
-    if given.get("light_position") is not None:
-        changes["headlight"] = False
-    if "headlight" in given:
-        changes["headlight"] = given["headlight"]
-    if "light_color" in given:
-        changes["color"] = given["light_color"]
-    cuts: dict[str, Any] = {}
-    if "crop" in given:
-        cuts["crop"] = given["crop"]
-    if "clip_planes" in given:
-        cuts["planes"] = given["clip_planes"]
-    return replace(light, **changes), replace(clipping, **cuts), own
 
 
 def technique_settings(info: TechniqueInfo, values: Mapping[str, Any], *, classic: bool = False) -> Any:

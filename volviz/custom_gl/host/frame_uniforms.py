@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -150,3 +151,21 @@ def box_tiles(
             if right > left and top > bottom:
                 tiles.append((left, bottom, right - left, top - bottom))
     return tuple(tiles)
+
+
+def level_of_detail(frame: Frame) -> int:
+    """Level of the scalars that fits the size of a pixel.
+
+    Full pictures take the full data unless the technique's ``mipmaps`` is on. While something moves, software
+    OpenGL reads the level that is about as fine as its few pixels: most of its time goes into fetching
+    voxels that lie far apart.
+    """
+    moving = frame.interactive and frame.gpu.limits.software
+    if not moving and not getattr(frame.settings, "mipmaps", False):
+        return 0
+    if getattr(frame.settings, "interpolation", "linear") == "nearest":
+        # labels must not be averaged
+        return 0
+    voxels = pixel_size(frame) / frame.volume.mean_spacing
+    level = math.floor(math.log2(max(voxels, 1e-9)) + (0.0 if moving else 0.5))
+    return min(max(level, 0), frame.resources.coarsest)

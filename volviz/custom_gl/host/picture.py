@@ -3,15 +3,49 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import moderngl
+import numpy as np
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.host.pacing import Level
 from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.technique import Frame
 
 _PREMULTIPLIED = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A finished picture and what it shows.
+
+    Attributes
+    ----------
+    key : object
+        Changes with everything that the picture shows.
+    area : tuple of 4 floats
+        Part of it that may hold anything, as fractions: left, bottom, right, top.
+    """
+
+    key: Any
+    target: Target
+    level: Level
+    area: tuple[float, float, float, float]
+
+
+def area_of(frame: Frame, *, within_tiles: bool) -> tuple[float, float, float, float]:
+    """`Picture.area` of a frame; the whole for techniques that draw beyond the frame's tiles."""
+    if not within_tiles:
+        return 0.0, 0.0, 1.0, 1.0
+    if not frame.tiles:
+        return 0.0, 0.0, 0.0, 0.0
+    tiles = np.array(frame.tiles, float)
+    low = tiles[:, :2].min(axis=0) / frame.size
+    high = (tiles[:, :2] + tiles[:, 2:]).max(axis=0) / frame.size
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 def composite(

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.host import vtk_border as vtk
+from volviz.custom_gl.technique import FrameCamera
 
 _GL_DEPTH_BUFFER_BIT = 0x0100
 _GL_NEAREST = 0x2600
@@ -16,15 +17,65 @@ _VTK_UNSIGNED_CHAR = 3
 
 
 class SceneDepth:
-    """Copies the depth of a part of VTK's (possibly multisampled) framebuffer."""
+    """Copies the depth of a part of VTK's (possibly multisampled) framebuffer.
+
+    Attributes
+    ----------
+    key : object
+        What the copy shows; None where there is nothing opaque.
+    """
 
     def __init__(self) -> None:
         self._fbo: Any = None
         self._size = (0, 0)
-        self.texture: Any = None
+        self._texture: Any = None
+        self._read: tuple[Any, npt.NDArray[np.float32]] | None = None
+        self.key: Any = None
 
-    def capture(self, gpu: Gpu, window: Any, origin: tuple[int, int], size: tuple[int, int]) -> Any:
-        """Copy the depth of a rectangle of the window into a texture of that size."""
+    @property
+    def texture(self) -> Any:
+        """The copy, None where there is nothing opaque."""
+        return self._texture if self.key else None
+
+    def update(
+        self,
+        gpu: Gpu,
+        window: Any,
+        revision: tuple[Any, ...],
+        rectangle: tuple[int, int, int, int],
+        camera: FrameCamera,
+    ) -> None:
+        """Copy the depth of what is already drawn unless the copy at hand still shows it.
+
+        Parameters
+        ----------
+        revision : tuple
+            What changes with the opaque things; empty when there are none.
+        rectangle : tuple of 4 ints
+            Width, height, x, y of the part of the window.
+        """
+        if not revision:
+            self.key = None
+            return
+        key = (revision, rectangle, camera.view.tobytes(), camera.projection.tobytes())
+        if key != self.key:
+            width, height, x, y = rectangle
+            self._capture(gpu, window, (x, y), (width, height))
+            self.key = key
+
+    def at(self, gpu: Gpu, column: int, row: int) -> float | None:
+        """Window depth 0..1 at a pixel, (0, 0) at the upper left; None where nothing opaque is."""
+        if self.texture is None:
+            return None
+        if self._read is None or self._read[0] != self.key:
+            self._read = (self.key, self._pixels(gpu))
+        depths = self._read[1]
+        if not (0 <= row < depths.shape[0] and 0 <= column < depths.shape[1]):
+            return None
+        depth = float(depths[depths.shape[0] - 1 - row, column])
+        return depth if depth < 1.0 else None
+
+    def _capture(self, gpu: Gpu, window: Any, origin: tuple[int, int], size: tuple[int, int]) -> None:
         width, height = size
         if self._fbo is None or self._size != size:
             self.release(window)
@@ -40,8 +91,8 @@ class SceneDepth:
             state.PopFramebufferBindings()
             self._size = size
             handle = self._fbo.GetDepthAttachmentAsTextureObject().GetHandle()
-            self.texture = gpu.gl.external_texture(handle, size, 1, 0, "f4")
-            self.texture.filter = (gpu.gl.NEAREST, gpu.gl.NEAREST)
+            self._texture = gpu.gl.external_texture(handle, size, 1, 0, "f4")
+            self._texture.filter = (gpu.gl.NEAREST, gpu.gl.NEAREST)
         state = window.GetState()
         state.PushFramebufferBindings()
         window.GetRenderFramebuffer().Bind(0x8CA8)
@@ -51,9 +102,8 @@ class SceneDepth:
             (x, x + width, y, y + height), (0, width, 0, height), _GL_DEPTH_BUFFER_BIT, _GL_NEAREST
         )
         state.PopFramebufferBindings()
-        return self.texture
 
-    def read(self, gpu: Gpu) -> npt.NDArray[np.float32]:
+    def _pixels(self, gpu: Gpu) -> npt.NDArray[np.float32]:
         """The copy as an array of shape (height, width), window depth 0..1, row 0 at the bottom."""
         width, height = self._size
         framebuffer = gpu.gl.detect_framebuffer(self._fbo.GetFBOIndex())
@@ -65,7 +115,8 @@ class SceneDepth:
         if self._fbo is not None:
             self._fbo.ReleaseGraphicsResources(window)
             self._fbo = None
-            self.texture = None
+            self._texture = None
+            self.key = None
 
 
 def opaque_revision(renderer: Any, hooks: set[int]) -> tuple[Any, ...]:

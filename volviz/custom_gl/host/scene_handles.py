@@ -73,8 +73,8 @@ class SceneHandles:
     # ------------------------------------------------------------------ what there is
 
     def _projection(self) -> Projection:
-        camera = self._owner._camera()  # noqa: SLF001 - the host's own
-        width, height, _, _ = self._owner._viewport()  # noqa: SLF001
+        camera = self._owner.view.camera()
+        width, height, _, _ = self._owner.view.rectangle()
         return Projection(camera.view_projection, (width, height))
 
     @property
@@ -246,7 +246,7 @@ class SceneHandles:
 
     def _pointer(self, interactor: Any) -> Pixel:
         x, y = interactor.GetEventPosition()
-        _, height, left, bottom = self._owner._viewport()  # noqa: SLF001
+        _, height, left, bottom = self._owner.view.rectangle()
         return float(x - left), float(height - (y - bottom))
 
     def _on_press(self, interactor: Any) -> bool:

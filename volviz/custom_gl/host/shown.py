@@ -1,0 +1,139 @@
+"""What a volume's handle shows, as one immutable value, and how it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from volviz.custom_gl.settings import SharedSettings
+from volviz.custom_gl.technique import TechniqueInfo, drawn_function
+from volviz.errors import InputError
+from volviz.model.clipping import Clipping
+from volviz.model.light import Light
+from volviz.model.parameters import make_settings, parameters_of
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Everything that decides the picture, but for camera and size.
+
+    Attributes
+    ----------
+    given_function : TransferFunction
+        As the user gave it, perhaps relative to the range of the data.
+    transfer_function : TransferFunction
+        The same in data units.
+    drawn_function : TransferFunction
+        The same without regions that the technique does not draw. Uploads are keyed by its identity: an equal one
+        stays the same object.
+    """
+
+    volume: Volume
+    info: TechniqueInfo
+    settings: Any
+    light: Light
+    clipping: Clipping
+    given_function: TransferFunction
+    transfer_function: TransferFunction
+    drawn_function: TransferFunction
+
+    @classmethod
+    def first(
+        cls,
+        volume: Volume,
+        info: TechniqueInfo,
+        settings: Any,
+        light: Light,
+        clipping: Clipping,
+        function: TransferFunction,
+    ) -> Shown:
+        """What is shown to begin with."""
+        resolved = function.resolved(volume.range)
+        drawn = drawn_function(info, settings, resolved)
+        return cls(volume, info, settings, light, clipping, function, resolved, drawn)
+
+    def changed(
+        self,
+        *,
+        volume: Volume | None,
+        info: TechniqueInfo | None,
+        transfer_function: TransferFunction | None,
+        settings: Any,
+        light: Light | None,
+        clipping: Clipping | None,
+        values: Mapping[str, Any],
+    ) -> Shown:
+        """The same with other values; None leaves one as it is.
+
+        Raises
+        ------
+        VolvizError
+            A value does not fit.
+        """
+        new_info = info or self.info
+        if values and settings is not None:
+            raise InputError(f"give either settings or single values ({', '.join(values)}), not both.")
+        if settings is not None and not isinstance(settings, new_info.settings):
+            raise InputError(
+                f"{new_info.id} takes {new_info.settings.__name__}, got {type(settings).__name__}."
+            )
+        new_light, new_clipping = light or self.light, clipping or self.clipping
+        own: Mapping[str, Any] = {}
+        if values:
+            new_light, new_clipping, own = split_values(values, new_light, new_clipping)
+        if settings is None:
+            settings = self._settings_with(new_info, own)
+        new_volume = volume or self.volume
+        new_clipping.crop_within(new_volume.dimensions)
+        given = transfer_function or self.given_function
+        resolved = given.resolved(new_volume.range)
+        drawn = drawn_function(new_info, settings, resolved)
+        return replace(
+            self,
+            volume=new_volume,
+            info=new_info,
+            settings=settings,
+            light=new_light,
+            clipping=new_clipping,
+            given_function=given,
+            transfer_function=resolved,
+            drawn_function=self.drawn_function if drawn == self.drawn_function else drawn,
+        )
+
+    def _settings_with(self, info: TechniqueInfo, own: Mapping[str, Any]) -> Any:
+        if info.id != self.info.id:
+            return make_settings(info.settings, own, owner=info.id)
+        if not own:
+            return self.settings
+        merged = {p.name: getattr(self.settings, p.name) for p in info.parameters} | dict(own)
+        return make_settings(info.settings, merged, owner=info.id)
+
+
+def split_values(
+    values: Mapping[str, Any], light: Light, clipping: Clipping
+) -> tuple[Light, Clipping, dict[str, Any]]:
+    """Keywords as light, clipping and the rest, which belongs to the technique.
+
+    A light position without a word on the headlight switches the headlight off: it was meant to be seen.
+    """
+    shared = {p.name: p for p in parameters_of(SharedSettings)}
+    own = {name: value for name, value in values.items() if name not in shared}
+    given = {name: shared[name].checked(value) for name, value in values.items() if name in shared}
+    changes: dict[str, Any] = {}
+    if "light_position" in given:
+        changes["position"] = given["light_position"]
+    if given.get("light_position") is not None:
+        changes["headlight"] = False
+    if "headlight" in given:
+        changes["headlight"] = given["headlight"]
+    if "light_color" in given:
+        changes["color"] = given["light_color"]
+    cuts: dict[str, Any] = {}
+    if "crop" in given:
+        cuts["crop"] = given["crop"]
+    if "clip_planes" in given:
+        cuts["planes"] = given["clip_planes"]
+    return replace(light, **changes), replace(clipping, **cuts), own
