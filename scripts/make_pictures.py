@@ -216,6 +216,52 @@ def draw_ray_inspector() -> None:
     draw_in_window("ray-inspector", "dark", "engine", act)
 
 
+def draw_crosscheck() -> None:
+    """Marching cubes in the window, with the cross-check beneath."""
+    from volviz.environment import prepare
+
+    prepare()
+    from PySide6.QtCore import QSettings
+
+    from volviz_ui.application import make_application
+
+    application = make_application()
+    from volviz_ui.main_window import MainWindow
+    from volviz_ui.panels.technique import change_setting
+    from volviz_ui.panels.technique_box import choose_technique
+    from volviz_ui.preferences import Preferences
+    from volviz_ui.theme import Theme
+
+    settings = QSettings(str(FOLDER / "crosscheck.ini"), QSettings.Format.IniFormat)
+    window = MainWindow(Theme(application, "dark"), Preferences(settings))
+    window.resize(1360, 900)
+    window.show()
+    window.open("sample:ct-chest")
+    while window.documents.volume is None:
+        application.processEvents()
+    choose_technique(window.store, "marching_cubes")
+    isovalue = next(p for p in volviz.techniques()["marching_cubes"].parameters if p.name == "isovalue")
+    change_setting(window.store, isovalue, 200.0)
+    window.crosscheck_dock.toggleViewAction().trigger()
+    while not window.display.is_complete or window.surface.facts is None:
+        application.processEvents()
+    window.crosscheck_panel.start()
+    while window.crosscheck_panel.is_running:
+        application.processEvents()
+    for _ in range(200):
+        application.processEvents()
+    panel = window.technique_panel
+    panel.ensureWidgetVisible(panel.surface, 0, 12)
+    grabbed = window.grab().toImage()
+    grabbed = grabbed.convertToFormat(grabbed.Format.Format_RGB888)
+    pixels = np.frombuffer(grabbed.constBits(), np.uint8).reshape(grabbed.height(), grabbed.bytesPerLine())
+    image = pixels[:, : 3 * grabbed.width()].reshape(grabbed.height(), grabbed.width(), 3)
+    save(Image.fromarray(image.copy()), "crosscheck")
+    window.close()
+    window.deleteLater()
+    Path(settings.fileName()).unlink(missing_ok=True)
+
+
 def draw_comparison() -> None:
     """Our ray caster, VTK's and the difference of both; errors over the step with fitted slopes."""
     from volviz.compare.convergence import ConvergenceRun
@@ -265,6 +311,7 @@ def draw_comparison_in_window() -> None:
 
 
 DRAWINGS: dict[str, Callable[[], None]] = {
+    "crosscheck": draw_crosscheck,
     "techniques": draw_techniques,
     "slices": draw_slices,
     "modes": draw_modes,

@@ -307,9 +307,11 @@ class Extraction:
         slab_first = max(first - 1, 0)
         slab = native_slab(self.samples, slab_first, min(stop + 2, depth))
         columns = np.empty(COLUMNS, geometry.directions.dtype)
+        short = slab.dtype.kind in "iu" and slab.dtype.itemsize <= 2
+        raw = np.empty(COLUMNS, np.int32) if short else np.empty_like(columns)
         place_vertices(
             slab, slab_first, self.bits, self.cells, self.isovalue, self.steps, self.vertex_starts,
-            geometry, columns, vertices, normals, first, stop,
+            geometry, columns, raw, vertices, normals, first, stop,
         )  # fmt: skip
 
 

@@ -19,6 +19,11 @@ _LOW = np.int64(0xFFFF_FFFF)
 
 #: Crossings gathered before they are worked off together, as columns that fit into the first-level cache.
 BATCH = 512
+#: Rows whose crossings of all kinds are worked off before the next ones: their voxels, in the four planes that
+#: gradients reach, shall stay in the first-level cache, as there are up to seven kinds.
+CACHE_BYTES = 1 << 15
+#: Fewer rows have too few crossings for the loops over columns.
+FEWEST_ROWS = 8
 #: Length of a column: a full batch and the crossings of one more word.
 CAPACITY = np.uintp(BATCH + 72)
 #: Where the columns begin: values at both ends, position and length along x and y, gradients at both ends.
@@ -68,6 +73,7 @@ def place_vertices(
     vertex_starts: Array,
     geometry: Geometry,
     columns: Array,
+    raw: Array,
     vertices: Array,
     normals: Array,
     first: int,
@@ -95,6 +101,8 @@ def place_vertices(
         Where the samples lie; its type of float is that of `columns`.
     columns : ndarray of shape (COLUMNS,), float32 or float64
         Room to work in, whose type is used for gradients.
+    raw : ndarray of shape (COLUMNS,)
+        Room for values and differences as they come: int32 for scalars of up to 16 bits, else as `columns`.
     vertices, normals : ndarray of shape (3 V,), float32
         Written at the rows' places.
     first, stop : int
@@ -106,30 +114,42 @@ def place_vertices(
     xs, ys, zs = geometry.coordinates
     to_world = geometry.to_world
     places = np.empty(CAPACITY, np.int64)
-    for z in range(first, stop):
+    with_normals = normals.size > 0
+    rows = max(FEWEST_ROWS, CACHE_BYTES // (4 * slab.shape[2] * slab.itemsize))
+    for block in range((stop - first) * (-(-height // rows))):
+        z, y_first = first + block // -(-height // rows), block % -(-height // rows) * rows
         for k in range(steps.size):
             dx, dy, dz = steps[k] & 1, steps[k] >> 1 & 1, steps[k] >> 2 & 1
-            if z + dz >= depth:
+            y_stop = min(y_first + rows, height - dy)
+            if z + dz >= depth or y_first >= y_stop:
                 continue
-            number = vertex_starts[z, k, 0]
+            number = vertex_starts[z, k, y_first]
             n = np.uintp(0)
             inside = True
             plane_inside = z > 0 and z + dz < depth - 2
-            for y in range(height - dy):
+            for y in range(y_first, y_stop):
                 row_inside = plane_inside and y > 0 and y + dy < height - 2
                 near, far = (z * height + y) * words, ((z + dz) * height + y + dy) * words
                 for w in range(words - 1):
                     word = crossings(flat_bits, near + w, far + w, dx, cells[w])
                     n = _list_places(word, (y << 32) + w * 64, places, n)
                     inside = inside and row_inside and word & borders[w] == _NONE
-                    if n >= BATCH or (y == height - dy - 1 and w == words - 2):
+                    if n >= BATCH or (y == y_stop - 1 and w == words - 2):
                         plane, length_z = z - slab_first, dz * (zs[z + dz] - zs[z])
-                        _gather(slab, plane, dx, dy, dz, places, n, xs, ys, columns)
+                        if inside:
+                            _gather_inside(slab, plane, dx, dy, dz, places, n, with_normals, raw)
+                            _place_inside(places, n, xs, ys, dx, dy, raw, columns)
+                        else:
+                            _gather(slab, plane, dx, dy, dz, places, n, xs, ys, columns)
                         _interpolate(columns, n, isovalue, zs[z], length_z, to_world, vertices, number)
-                        if normals.size > 0:
-                            _gather_gradients(
-                                slab, slab_first, z, dx, dy, dz, places, n, geometry.neighbours, columns
-                            )
+                        if with_normals:
+                            neighbours = geometry.neighbours
+                            if inside:
+                                _weigh_inside(n, neighbours, raw, columns)
+                            else:
+                                _gather_gradients(
+                                    slab, slab_first, z, dx, dy, dz, places, n, neighbours, columns
+                                )
                             _interpolate_normals(columns, n, isovalue, geometry, k, normals, number)
                         number += np.int64(n)
                         n = np.uintp(0)
@@ -224,31 +244,65 @@ def _border_words(width: int, words: int) -> Array:
 
 
 @compiled
-def _gather_gradients_inside(
-    slab: Array,
-    z: int,
-    dx: int,
-    dy: int,
-    dz: int,
-    places: Array,
-    n: Any,
-    neighbours: Any,
-    columns: Array,
+def _gather_inside(
+    slab: Array, z: int, dx: int, dy: int, dz: int, places: Array, n: Any, with_gradients: bool, raw: Array
 ) -> None:
-    """The same as `_gather_gradients` for crossings that are nowhere near the border of the lattice."""
+    """Columns of `n` crossings far from all borders: values at both ends, differences along x, y, z at both.
+
+    `z` is the plane in the slab. Nothing is converted and nothing weighted here: the loops that follow do that for
+    many crossings at a time, while this one fetches voxel by voxel.
+    """
     flat = slab.reshape(slab.size)
-    row = slab.shape[2]
-    plane = slab.shape[1] * row
-    # Any sample but the first and the last two has the same distances and weights as the second one.
+    row = np.uintp(slab.shape[2])
+    plane = np.uintp(slab.shape[1]) * row
+    one = np.uintp(1)
+    begin = np.uintp(z) * plane
+    step = np.uintp(dx) + np.uintp(dy) * row + np.uintp(dz) * plane
+    like = raw[0]
+    for i in range(np.uintp(n)):
+        a = begin + np.uintp(places[i] >> 32) * row + np.uintp(places[i] & _LOW)
+        raw[i] = flat[a]
+        raw[i + CAPACITY] = flat[a + step]
+        if with_gradients:
+            b = a + step
+            raw[i + START_X] = subtract(flat[a + one], flat[a - one], like)
+            raw[i + START_Y] = subtract(flat[a + row], flat[a - row], like)
+            raw[i + START_Z] = subtract(flat[a + plane], flat[a - plane], like)
+            raw[i + END_X] = subtract(flat[b + one], flat[b - one], like)
+            raw[i + END_Y] = subtract(flat[b + row], flat[b - row], like)
+            raw[i + END_Z] = subtract(flat[b + plane], flat[b - plane], like)
+
+
+@compiled
+def _place_inside(
+    places: Array, n: Any, xs: Array, ys: Array, dx: int, dy: int, raw: Array, columns: Array
+) -> None:
+    """Columns 0-5 of `n` crossings far from all borders, from what `_gather_inside` brought."""
+    x_first, y_first, x_pitch, y_pitch = xs[0], ys[0], xs[1] - xs[0], ys[1] - ys[0]
+    for i in range(np.uintp(n)):
+        columns[i] = raw[i]
+        columns[i + CAPACITY] = raw[i + CAPACITY]
+        columns[i + X_START] = x_first + x_pitch * np.float64(places[i] & _LOW)
+        columns[i + Y_START] = y_first + y_pitch * np.float64(places[i] >> 32)
+        columns[i + X_LENGTH] = x_pitch * dx
+        columns[i + Y_LENGTH] = y_pitch * dy
+
+
+@compiled
+def _weigh_inside(n: Any, neighbours: Any, raw: Array, columns: Array) -> None:
+    """Columns 6-11 of `n` crossings far from all borders, from what `_gather_inside` brought.
+
+    Any sample but the first and the last two has the same distances and weights as the second one.
+    """
     weight_x, weight_y, weight_z = neighbours[0][2][1], neighbours[1][2][1], neighbours[2][2][1]
-    for end in range(2):
-        corner = z * plane + end * (dx + dy * row + dz * plane)
-        first = START_X if end == 0 else END_X
-        for i in range(np.uintp(n)):
-            a = corner + (places[i] >> 32) * row + (places[i] & _LOW)
-            columns[i + first] = difference(flat, a - 1, a + 1, weight_x)
-            columns[i + first + CAPACITY] = difference(flat, a - row, a + row, weight_y)
-            columns[i + first + np.uintp(2) * CAPACITY] = difference(flat, a - plane, a + plane, weight_z)
+    real = type(weight_x)
+    for i in range(np.uintp(n)):
+        columns[i + START_X] = real(raw[i + START_X]) * weight_x
+        columns[i + START_Y] = real(raw[i + START_Y]) * weight_y
+        columns[i + START_Z] = real(raw[i + START_Z]) * weight_z
+        columns[i + END_X] = real(raw[i + END_X]) * weight_x
+        columns[i + END_Y] = real(raw[i + END_Y]) * weight_y
+        columns[i + END_Z] = real(raw[i + END_Z]) * weight_z
 
 
 @compiled
@@ -311,6 +365,7 @@ def _interpolate_normals(
     m10, m11, m12 = m[1, 0], m[1, 1], m[1, 2]
     m20, m21, m22 = m[2, 0], m[2, 1], m[2, 2]
     ex, ey, ez = edge[0], edge[1], edge[2]
+    # of float64, and with it what follows: rounded at every step, normals would be off by twice their last place
     one = m00 * 0 + 1
     for i in range(np.uintp(n)):
         t = columns[i + FRACTION]
