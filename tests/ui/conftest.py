@@ -88,6 +88,12 @@ def window(bare_window: MainWindow, ball_file: str, wait_for: Callable[..., None
 
 
 @pytest.fixture
+def first_full_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No pictures that follow the full one and make it smoother: two views can be compared to the last bit."""
+    monkeypatch.setattr(VolumeHandle, "accumulates", False)
+
+
+@pytest.fixture
 def wait_for(qapp: QApplication) -> Callable[..., None]:
     """Run the event loop until something holds; fails after half a minute."""
 

@@ -22,6 +22,7 @@ from volviz_ui.session_commands import settings_of
 from volviz_ui.viewport import Viewport
 
 Wait = Callable[..., None]
+pytestmark = pytest.mark.usefixtures("first_full_pictures")
 
 
 def picture_of(viewport: Viewport) -> np.ndarray:

@@ -25,6 +25,7 @@ from volviz_ui.panels.technique import change_setting
 from volviz_ui.panels.technique_box import choose_technique, current_settings, current_technique
 
 Wait = Callable[..., None]
+pytestmark = pytest.mark.usefixtures("first_full_pictures")
 
 
 @pytest.fixture

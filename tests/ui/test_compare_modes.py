@@ -22,6 +22,7 @@ from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.technique_box import choose_technique
 
 Wait = Callable[..., None]
+pytestmark = pytest.mark.usefixtures("first_full_pictures")
 
 
 @pytest.fixture

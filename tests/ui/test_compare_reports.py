@@ -30,6 +30,7 @@ from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.technique_box import choose_technique, current_settings, current_technique
 
 Wait = Callable[..., None]
+pytestmark = pytest.mark.usefixtures("first_full_pictures")
 
 
 def scene_of(views: tuple[View, ...], camera: Camera) -> Scene:

@@ -223,10 +223,10 @@ class ViewArea(QWidget):
             pictures = self.pair_pictures()
             if pictures is not None:
                 difference.set_complete(*pictures)
-        # the host makes another status for every picture that it draws, and none for showing it again
-        statuses = [pane.display.status for pane in pair]
-        if any(now is not before for now, before in zip(statuses, self._completed, strict=True)):
-            self._completed = statuses
+        # another time for every picture that the host draws; what follows a full one at rest only makes it smoother
+        drawn = [replace(pane.display.status, samples=1) for pane in pair]
+        if drawn != self._completed:
+            self._completed = drawn
             self.pair_completed.emit()
 
     def pair_pictures(self) -> tuple[Bytes, Bytes] | None:
