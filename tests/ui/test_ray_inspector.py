@@ -194,3 +194,23 @@ def test_a_closed_panel_computes_nothing_and_an_idle_window_draws_nothing(
     wait_for(lambda: inspecting.documents.volume.dimensions == (24, 24, 24))
     settle(inspecting, wait_for)
     assert inspecting.ray_panel.plot.found.profile.values.max() < 121
+
+
+def test_in_several_views_the_ray_is_that_of_the_active_one(inspecting: MainWindow, wait_for: Wait) -> None:
+    inspecting.store.update(
+        lambda scene: scene.with_view_count(2).with_view(1, technique="slicing"), label="2"
+    )
+    wait_for(lambda: len(inspecting.views.panes) == 2 and inspecting.views.is_complete)
+    for view, technique in ((1, "slicing"), (0, "raycast")):
+        viewport = inspecting.views.panes[view].viewport
+        QTest.mouseClick(viewport, LEFT, pos=viewport.rect().center())
+        wait_for(lambda: inspecting.views.is_complete and inspecting.ray_inspector.is_settled)
+        found = inspecting.ray_panel.plot.found
+        assert found.technique == technique
+        drawn = inspecting.views.panes[view].display.handle.read_picture()[found.pixel[1], found.pixel[0]]
+        np.testing.assert_allclose(found.profile.color, drawn, atol=2 / 255)
+        # the same spot is marked in both, to be compared
+        assert all(pane.ray_mark.place is not None for pane in inspecting.views.panes)
+    inspecting.store.update(lambda scene: scene.without_view(1), label="Close")
+    settle(inspecting, wait_for)
+    assert inspecting.ray_panel.plot.found.technique == "raycast"
