@@ -63,7 +63,9 @@ def test_the_figures_are_those_of_the_exported_pictures(split: MainWindow, wait_
     assert figure(split, "max") == pytest.approx(difference.max(), abs=1)
 
 
-def test_after_a_drag_the_figures_are_measured_anew(split: MainWindow, wait_for: Wait) -> None:
+def test_after_a_drag_the_figures_are_measured_anew_and_times_broken_off(
+    split: MainWindow, wait_for: Wait
+) -> None:
     choose_technique(split.store, "isosurface", view=1)
     wait_for(lambda: is_complete(split) and split.measurements.figures is not None)
     before = split.measurements.figures
@@ -71,6 +73,14 @@ def test_after_a_drag_the_figures_are_measured_anew(split: MainWindow, wait_for:
     drag(viewport, viewport.rect().center(), viewport.rect().center() / 2)
     wait_for(lambda: split.measurements.figures not in (None, before))
     assert split.measurements.figures.pictures != before.pictures
+
+    # and a drag breaks a measurement of times off
+    split.compare_panel.time_button.click()
+    drag(viewport, viewport.rect().center(), viewport.rect().center() / 2)
+    wait_for(lambda: not split.measurements.timing.is_running)
+    assert split.compare_panel.sides.text("time", 0) == "\N{EN DASH}"
+    wait_for(lambda: is_complete(split))
+    assert split.compare_panel.time_button.text() == split.compare_panel.tr("Measure frame times")
 
 
 def test_nothing_is_measured_while_the_panel_is_hidden(window: MainWindow, wait_for: Wait) -> None:
@@ -100,16 +110,6 @@ def test_frame_times_agree_with_a_clock_beside_them(split: MainWindow, wait_for:
     assert "times as long" in panel.time_ratio.text()
     assert all(pane.display.status is not old for pane, old in zip(split.views.panes, statuses, strict=True))
     wait_for(lambda: is_complete(split))
-
-
-def test_a_drag_breaks_the_measurement_of_times_off(split: MainWindow, wait_for: Wait) -> None:
-    split.compare_panel.time_button.click()
-    viewport = viewports(split)[0]
-    drag(viewport, viewport.rect().center(), viewport.rect().center() / 2)
-    wait_for(lambda: not split.measurements.timing.is_running)
-    assert split.compare_panel.sides.text("time", 0) == "\N{EN DASH}"
-    wait_for(lambda: is_complete(split))
-    assert split.compare_panel.time_button.text() == split.compare_panel.tr("Measure frame times")
 
 
 def test_meshes_are_counted_like_the_mesh_of_the_library(split: MainWindow, wait_for: Wait) -> None:

@@ -170,28 +170,27 @@ def test_the_difference_of_a_picture_with_itself_is_nothing(window: MainWindow, 
     assert view.labels() == ("\N{MINUS SIGN}1", "0", "+1")
 
 
-@pytest.mark.parametrize(
-    ("kind", "channel"), [("signed", "luminance"), ("absolute", "rgb"), ("absolute", "green")]
-)
-def test_the_difference_is_that_of_the_exported_pictures(
-    pair: MainWindow, wait_for: Wait, kind: str, channel: str
-) -> None:
-    pair.compare_commands.change(map=kind, channel=channel)
+def test_the_difference_is_that_of_the_exported_pictures(pair: MainWindow, wait_for: Wait) -> None:
     enter(pair, "difference", wait_for)
     view = pair.views.arrangement.difference
-    wait_for(lambda: view.is_exact)
-    expected = difference_image(*exported(pair), kind=kind, channel=channel)
-    wait_for(lambda: view.is_exact)
-    assert view.limit == pytest.approx(expected.limit, abs=1.01)
-    shown = array_of(view.image).astype(float)
-    assert shown.shape == expected.picture.shape
-    assert np.abs(shown - expected.picture).mean() < 0.5
-    QTest.qWait(80)
-    seen = on_screen(pair)[:, : int(0.7 * shown.shape[1])]
-    assert np.abs(seen - shown[:, : seen.shape[1]]).max() <= 1
+    pictures = exported(pair)
+    for kind, channel in (("signed", "luminance"), ("absolute", "rgb"), ("absolute", "green")):
+        pair.compare_commands.change(map=kind, channel=channel)
+        QTest.qWait(80)
+        wait_for(lambda: view.is_exact)
+        expected = difference_image(*pictures, kind=kind, channel=channel)
+        assert view.limit == pytest.approx(expected.limit, abs=1.01)
+        shown = array_of(view.image).astype(float)
+        assert shown.shape == expected.picture.shape
+        assert np.abs(shown - expected.picture).mean() < 0.5
+        QTest.qWait(80)
+        seen = on_screen(pair)[:, : int(0.7 * shown.shape[1])]
+        assert np.abs(seen - shown[:, : seen.shape[1]]).max() <= 1
 
 
-def test_the_difference_follows_a_drag_and_becomes_exact_again(pair: MainWindow, wait_for: Wait) -> None:
+def test_the_difference_follows_a_drag_becomes_exact_again_and_rests(
+    pair: MainWindow, wait_for: Wait
+) -> None:
     enter(pair, "difference", wait_for)
     view = pair.views.arrangement.difference
     wait_for(lambda: view.is_exact)
@@ -203,6 +202,11 @@ def test_the_difference_follows_a_drag_and_becomes_exact_again(pair: MainWindow,
     assert len(set(shown)) >= 4
     wait_for(lambda: view.is_exact and is_complete(pair))
     assert pair.store.scene.views[0].camera == pair.store.scene.views[1].camera
+    # at rest nothing is drawn
+    QTest.qWait(200)
+    before = [viewport.frames for viewport in viewports(pair)]
+    QTest.qWait(1000)
+    assert [viewport.frames for viewport in viewports(pair)] == before
 
 
 def test_a_fixed_scale_and_the_similarity_have_their_own_bar(pair: MainWindow, wait_for: Wait) -> None:
@@ -248,12 +252,3 @@ def test_sizes_files_techniques_and_closing_leave_right_pictures(
     assert pair.views.arrangement.divider.isHidden()
     assert pair.viewport.size() == pair.views.size()
     assert np.abs(on_screen(pair) - picture_of(pair.viewport)).mean() < 1
-
-
-def test_a_difference_at_rest_draws_nothing(pair: MainWindow, wait_for: Wait) -> None:
-    enter(pair, "difference", wait_for)
-    wait_for(lambda: pair.views.arrangement.difference.is_exact)
-    QTest.qWait(200)
-    before = [viewport.frames for viewport in viewports(pair)]
-    QTest.qWait(1000)
-    assert [viewport.frames for viewport in viewports(pair)] == before
