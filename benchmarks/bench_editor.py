@@ -38,6 +38,7 @@ def bench_tables(source: str) -> None:
 
     import volviz
     from volviz.custom_gl.gpu.resources import PREINTEGRATED_SIZE, PREINTEGRATED_SIZE_INTERACTIVE
+    from volviz.custom_gl.host.pacing import FULL
 
     volume = volviz.load(source)
     start = volviz.TransferFunction.auto(volume)
@@ -55,6 +56,12 @@ def bench_tables(source: str) -> None:
         handle.gpu.gl.finish()
 
     handle.window.MakeCurrent()
+    frame = handle._frame(FULL)  # noqa: SLF001
+
+    def framed(i: int) -> Any:
+        frame.transfer_function = changed(i)
+        return frame
+
     rows = (
         ("table, baked", lambda i: start.bake(volume.range, 4096)),
         ("table, baked and uploaded", lambda i: finished(resources.table(changed(i)))),
@@ -62,7 +69,7 @@ def bench_tables(source: str) -> None:
             "table per step, baked and uploaded",
             lambda i: finished(resources.table_per_length(changed(i), 0.5)),
         ),
-        ("empty space of the new function", lambda i: finished(resources.visible_distance(changed(i), 0.0))),
+        ("empty space of the new function", lambda i: finished(resources.visible_distance(framed(i)))),
         *(
             (
                 f"pre-integrated {size} x {size}",
