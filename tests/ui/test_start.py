@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -82,3 +83,18 @@ def test_histograms_arrive_after_the_first_picture(window: MainWindow, wait_for:
     counts = window.data_panel.histogram.counts
     assert counts is not None
     assert int(np.sum(counts)) == window.documents.volume.array.size
+
+
+def test_a_file_does_not_wait_for_kernels_that_are_being_compiled(
+    window: MainWindow, other_file: str, wait_for: Wait
+) -> None:
+    go_on = threading.Event()
+    for _ in range(2):
+        window.compilers.start(lambda task: go_on.wait(60))
+    try:
+        window.open(other_file)
+        wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
+        assert not go_on.is_set()
+        assert window.compilers.is_busy
+    finally:
+        go_on.set()

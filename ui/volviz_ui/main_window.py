@@ -94,6 +94,9 @@ class MainWindow(QMainWindow):
         self.store = Store()
         self.workers = Workers(self)
         self.gate = self.workers.gate = Gate(self)
+        # threads of their own: compiling takes seconds, and no file shall wait for it
+        self.compilers = Workers(self)
+        self.compilers.gate = self.gate
         self.documents = Documents(self.store, self.workers, self)
         self.setWindowIcon(app_icon())
         self.setWindowTitle("VolViz")
@@ -335,7 +338,7 @@ class MainWindow(QMainWindow):
         if volume is not None:
             # where there is no machine code on disk yet, nobody shall wait for it later
             dtype = volume.array.dtype
-            self.workers.start(
+            self.compilers.start(
                 lambda task: warm_up((dtype,), report=task.report), key="warm up", patient=True
             )
 
@@ -556,6 +559,7 @@ class MainWindow(QMainWindow):
         self.transfer_editor.close_workers()
         self.measurements.close()
         self.reports.close()
+        self.compilers.close()
         self.workers.close()
         self.views.close_views()
         self.documents.close()
