@@ -13,6 +13,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import drag, foreground, is_complete, save_ball, turn_wheel
+from volviz.kernels.warm_up import warm_up
 from volviz.model.parameters import Cost, Parameter
 from volviz_ui.main_window import MainWindow
 from volviz_ui.memory import return_freed_memory
@@ -78,6 +79,9 @@ class Monkey:
         for name in names * 3:
             getattr(self, name)()
             QTest.qWait(10)
+        # compiled kernels stay for as long as the process lives
+        warm_up(["uint8"])
+        self.wait_for(lambda: self.window.gate.is_open and not self.window.compilers.is_busy)
 
     def step(self) -> None:
         name = self.random.choice([n for n in dir(self) if n.startswith("do_")])
