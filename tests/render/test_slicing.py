@@ -51,18 +51,44 @@ def test_a_homogeneous_box_seen_face_on_has_exact_alpha(slices: int) -> None:
     assert np.abs(alpha - (1 - 0.95**23)).max() < 1e-4
 
 
-def test_a_homogeneous_box_is_right_within_one_slice_for_every_ray() -> None:
+@pytest.mark.parametrize("parallel", [False, True])
+@pytest.mark.parametrize("step", [0.5, 2.0])
+def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray_that_meets_a_slice(
+    step: float, parallel: bool
+) -> None:
     of = volviz.Volume(np.full((24, 20, 22), 3, np.uint8))
-    opacity, step = 0.05, 0.5
+    opacity = 0.05
     transfer = volviz.TransferFunction.from_points([(0, (1, 1, 1, opacity)), (5, (1, 1, 1, opacity))])
-    view = camera(of)
+    view = camera(of, parallel=parallel)
     values = {"step": step, "opacity_unit_distance": 1.0}
     slices = picture(of, transfer, view, technique_id="slicing", **values)[..., 3]
     exact = oracle(of, transfer, view, early_termination=1.0, **values)[..., 3]
-    one_slice = 1 - (1 - opacity) ** (step * 1.1)
-    assert exact.max() > 0.5
-    # a ray along the box's silhouette may miss its only slice
-    assert np.abs(slices - exact).max() <= one_slice + 1e-3
+    # a short ray along the box's silhouette may pass between two planes
+    meets = exact > 1 - (1 - opacity) ** (step * 1.2)
+    assert meets.sum() > 1000
+    error = np.abs(slices - exact)
+    assert np.percentile(error[meets], 99) < 1e-4
+    # where a plane leaves the box within a pixel, rasterisation and arithmetic may disagree on the last slice
+    assert error[meets].max() <= 0.5 * (1 - (1 - opacity) ** (step * 1.2)) + 1e-3
+    assert (error[~meets] <= exact[~meets] + 1 / 255).all()
+
+
+def test_data_up_to_the_border_converge_with_the_second_order() -> None:
+    """The first and the last slice of a ray stand for all of it: without that the order is one.
+
+    Judged by the ninth decile: short rays along the silhouette may pass between two planes.
+    """
+    z, y, x = np.meshgrid(*[np.linspace(0, 3, n) for n in (24, 20, 22)], indexing="ij")
+    of = volviz.Volume((1.5 + np.sin(x) * np.cos(y + 1) + 0.5 * np.sin(2 * z)).astype(np.float32))
+    transfer = function(of, [(0.0, (0, 0, 1, 0.05)), (1.0, (1, 0.5, 0, 0.2))])
+    counts = (16, 32, 64)
+    exact = picture(of, transfer, camera(of), slices=2048, technique_id="slicing")
+    errors = [
+        np.percentile(np.abs(picture(of, transfer, camera(of), slices=n, technique_id="slicing") - exact), 90)
+        for n in counts
+    ]
+    slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert slope == pytest.approx(2.0, abs=0.3)
 
 
 def test_the_density_of_the_picture_does_not_depend_on_the_number_of_slices() -> None:

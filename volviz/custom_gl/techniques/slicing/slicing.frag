@@ -9,8 +9,10 @@ uniform vec2 u_size;
 uniform vec3 u_view_direction;
 uniform float u_slice_distance;    // between slices, world units
 uniform bool u_perspective;
-uniform mat4 u_world_to_texture;
+uniform vec3 u_direction_texture;  // the view direction as a change of texture coordinates per world unit
 uniform vec3 u_eye_texture;        // the eye in texture coordinates
+uniform vec3 u_box_low;            // the (cropped) box in texture coordinates
+uniform vec3 u_box_high;
 uniform mat3 u_texture_to_world_vector;
 uniform bool u_jitter;
 uniform float u_jitter_seed;
@@ -27,19 +29,36 @@ out vec4 f_color;
 
 void main() {
     vec3 p = v_texture;
-    // a slice that is seen at an angle stands for a longer piece of ray
-    vec3 along = u_perspective ? normalize(u_texture_to_world_vector * (p - u_eye_texture)) : u_view_direction;
-    float piece = u_slice_distance / max(dot(along, u_view_direction), 1e-3);
-    if (u_jitter) {
-        p += (u_world_to_texture * vec4(along * (piece * (pixel_noise(gl_FragCoord.xy, u_jitter_seed) - 0.5)), 0.0)).xyz;
+    // along the ray: a change of texture coordinates per world unit, and the same in the world
+    vec3 direction = u_direction_texture, along = u_view_direction;
+    if (u_perspective) {
+        direction = p - u_eye_texture;
+        along = u_texture_to_world_vector * direction;
+        float way = 1.0 / length(along);
+        direction *= way;
+        along *= way;
     }
+    // a slice that is seen at an angle stands for a longer piece of ray
+    float piece = u_slice_distance / max(dot(along, u_view_direction), 1e-3);
+    if (u_jitter) p += direction * (piece * (pixel_noise(gl_FragCoord.xy, u_jitter_seed) - 0.5));
+    // how far the ray runs within the box, from where it entered to here and from here on
+    vec3 inverse = 1.0 / (direction + vec3(equal(direction, vec3(0.0))) * 1e-20);
+    vec3 a = (u_box_low - p) * inverse, b = (u_box_high - p) * inverse;
+    vec3 low = min(a, b), high = max(a, b);
+    float before = -max(low.x, max(low.y, low.z)), behind = min(high.x, min(high.y, high.z));
     for (int i = 0; i < u_plane_count; ++i) {
-        if (dot(u_planes[i].xyz, p) + u_planes[i].w < 0.0) discard;
+        float height = dot(u_planes[i].xyz, p) + u_planes[i].w;
+        if (height < 0.0) discard;
+        float slope = dot(u_planes[i].xyz, direction);
+        if (slope > 0.0) before = min(before, height / slope);
+        else if (slope < 0.0) behind = min(behind, -height / slope);
     }
 #if SCENE_DEPTH
     if (gl_FragCoord.z > textureLod(t_scene_depth, gl_FragCoord.xy / u_size, 0.0).r) discard;
 #endif
     float s = sample_scalar(p);
     if (s < u_density_threshold) discard;
-    f_color = slice_color(s, p, piece);
+    // the first and the last slice of a ray stand for all of it up to where it enters and leaves
+    float reach = (before < piece ? max(before, 0.0) : 0.5 * piece) + (behind < piece ? max(behind, 0.0) : 0.5 * piece);
+    f_color = slice_color(s, p, reach);
 }

@@ -134,6 +134,9 @@ class Slicing:
                 "u_slice_distance": self.polygons.distance,
                 "u_perspective": not frame.camera.parallel,
                 "u_eye_texture": tuple(self._eye(frame)),
+                "u_direction_texture": tuple(
+                    frame.uniforms["u_world_to_texture"][:3, :3] @ frame.camera.direction
+                ),
                 "u_texture_to_world_vector": frame.uniforms["u_texture_to_world"][:3, :3],
             }
         )
