@@ -165,6 +165,7 @@ class Session:
         from PySide6.QtCore import QSettings
 
         from volviz_ui.main_window import MainWindow
+        from volviz_ui.memory import spare_lasting_objects
         from volviz_ui.preferences import Preferences
         from volviz_ui.theme import Theme
 
@@ -173,6 +174,7 @@ class Session:
         self.gaps = GapWatch(where=where)
         self.window = MainWindow(Theme(self.application, "dark"), Preferences(kept))
         self.window.show()
+        spare_lasting_objects()
         self.viewport = self.window.viewport
         for _ in range(3):  # the layout settles
             extra = [a - b for a, b in zip(self.size, SIZE, strict=True)]

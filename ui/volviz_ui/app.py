@@ -41,6 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     application = make_application()
     from volviz_ui.main_window import MainWindow
+    from volviz_ui.memory import spare_lasting_objects
     from volviz_ui.preferences import Preferences
     from volviz_ui.session_commands import autosave_folder
     from volviz_ui.theme import Theme
@@ -49,6 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     folder = autosave_folder()
     window = MainWindow(Theme(application, preferences.theme), preferences, autosave_folder=folder)
     window.show()
+    spare_lasting_objects()
     source = arguments[0] if arguments else default_source()
 
     def begin() -> None:

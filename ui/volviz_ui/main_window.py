@@ -441,6 +441,10 @@ class MainWindow(QMainWindow):
         view, position = self._pointer
         if view >= len(self.views.panes):
             return
+        if any(pane.open_gestures for pane in self.views.panes):
+            # afterwards: while something moves, every repaint of a panel costs frames
+            self._pick_timer.start()
+            return
         self._show_picked(self._picked_in(view, position))
 
     def _picked_in(self, view: int, position: QPointF) -> Picked | None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QWidget
 
 from volviz.model.volume import Volume
+
+#: While pictures are on their way, what the line says of them changes no more often than this.
+UNFINISHED_MS = 150
 
 
 class StatusLine(QStatusBar):
@@ -17,6 +20,11 @@ class StatusLine(QStatusBar):
         super().__init__(parent)
         self.setSizeGripEnabled(False)
         self._technique = ""
+        self._status: Any = None
+        self._status_timer = QTimer(self)
+        self._status_timer.setSingleShot(True)
+        self._status_timer.setInterval(UNFINISHED_MS)
+        self._status_timer.timeout.connect(self._write_status)
         self.pointer = self._field(
             "(0000, 0000, 0000)  −00000.00 unit", self.tr("Voxel under the pointer and its value")
         )
@@ -44,7 +52,16 @@ class StatusLine(QStatusBar):
         self.drawing.setText(label)
 
     def show_status(self, status: Any) -> None:
-        """Show what the host says about the picture."""
+        """Show what the host says about the picture; unfinished ones a little later, once for several."""
+        self._status = status
+        if status.complete:
+            self._status_timer.stop()
+            self._write_status()
+        elif not self._status_timer.isActive():
+            self._status_timer.start()
+
+    def _write_status(self) -> None:
+        status = self._status
         if status.complete and status.resolution >= 1:
             words = self.tr("full quality")
         elif status.resolution >= 1:
