@@ -6,6 +6,7 @@ Without names all of them are drawn into docs/images/. The window's picture need
 from __future__ import annotations
 
 import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -172,7 +173,8 @@ def draw_in_window(name: str, theme: str, sample: str, act: Callable[[Any], None
     from volviz_ui.preferences import Preferences
     from volviz_ui.theme import Theme
 
-    settings = QSettings(str(FOLDER / f"{name}.ini"), QSettings.Format.IniFormat)
+    kept = tempfile.TemporaryDirectory()
+    settings = QSettings(str(Path(kept.name) / "settings.ini"), QSettings.Format.IniFormat)
     window = MainWindow(Theme(application, theme), Preferences(settings))
     window.resize(1360, 860)
     window.show()
@@ -193,7 +195,8 @@ def draw_in_window(name: str, theme: str, sample: str, act: Callable[[Any], None
     save(Image.fromarray(image.copy()), name)
     window.close()
     window.deleteLater()
-    Path(settings.fileName()).unlink(missing_ok=True)
+    del settings
+    kept.cleanup()
 
 
 def draw_window() -> None:
@@ -232,7 +235,8 @@ def draw_crosscheck() -> None:
     from volviz_ui.preferences import Preferences
     from volviz_ui.theme import Theme
 
-    settings = QSettings(str(FOLDER / "crosscheck.ini"), QSettings.Format.IniFormat)
+    kept = tempfile.TemporaryDirectory()
+    settings = QSettings(str(Path(kept.name) / "settings.ini"), QSettings.Format.IniFormat)
     window = MainWindow(Theme(application, "dark"), Preferences(settings))
     window.resize(1360, 900)
     window.show()
@@ -259,7 +263,8 @@ def draw_crosscheck() -> None:
     save(Image.fromarray(image.copy()), "crosscheck")
     window.close()
     window.deleteLater()
-    Path(settings.fileName()).unlink(missing_ok=True)
+    del settings
+    kept.cleanup()
 
 
 def draw_comparison() -> None:
