@@ -6,8 +6,6 @@ VTK says nothing about patients; its coordinates are taken for the world frame a
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +13,7 @@ import numpy as np
 from volviz.io.axes import choose, to_zyx
 from volviz.io.geometry import Geometry
 from volviz.io.reader import stem
+from volviz.vtk_messages import vtk_complaints
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -127,7 +126,7 @@ def _image(job: Job, *, legacy: bool) -> Any:
 
     observer = reader.AddObserver("ProgressEvent", progressed)
     try:
-        with _listening() as complaints:
+        with vtk_complaints() as complaints:
             reader.SetFileName(str(job.path))
             reader.Update()
     finally:
@@ -138,22 +137,6 @@ def _image(job: Job, *, legacy: bool) -> Any:
     if complaints.GetOutput() or image is None or image.GetNumberOfPoints() == 0:
         raise job.error("VTK cannot read it; the file is damaged, cut off or of an unusual kind.")
     return image
-
-
-@contextmanager
-def _listening() -> Iterator[Any]:
-    """VTK's errors and warnings go into the object that is yielded, none to the terminal."""
-    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
-
-    before, verbosity = vtkOutputWindow.GetInstance(), vtkLogger.GetCurrentVerbosityCutoff()
-    heard = vtkStringOutputWindow()
-    vtkOutputWindow.SetInstance(heard)
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    try:
-        yield heard
-    finally:
-        vtkLogger.SetStderrVerbosity(vtkLogger.ConvertToVerbosity(verbosity))
-        vtkOutputWindow.SetInstance(before)
 
 
 def _values(job: Job, data: Any) -> tuple[npt.NDArray[Any], str, int] | None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.errors import Cancelled, LoadError
+from volviz.vtk_messages import vtk_complaints
 
 
 class Triangles(NamedTuple):
@@ -61,7 +61,7 @@ def read_triangles(path: str, *, cancel: Callable[[], bool] | None = None) -> Tr
             raise Cancelled(f"reading {file.name} was cancelled.")
 
     try:
-        with _quiet() as complaints:
+        with vtk_complaints() as complaints:
             data: Any = pyvista.read(file)
             check()
             surface = _surface(data)
@@ -111,19 +111,3 @@ def _surface(data: Any) -> Any:
     )
     # lines and points are no surface, and triangulate keeps them
     return surface.triangulate(pass_verts=False, pass_lines=False)
-
-
-@contextmanager
-def _quiet() -> Iterator[Any]:
-    """VTK's complaints go into the object that is yielded, none to the terminal."""
-    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
-
-    before, verbosity = vtkOutputWindow.GetInstance(), vtkLogger.GetCurrentVerbosityCutoff()
-    heard = vtkStringOutputWindow()
-    vtkOutputWindow.SetInstance(heard)
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    try:
-        yield heard
-    finally:
-        vtkLogger.SetStderrVerbosity(vtkLogger.ConvertToVerbosity(verbosity))
-        vtkOutputWindow.SetInstance(before)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from volviz.custom_gl.settings import INTERPOLATIONS
+from volviz.custom_gl.settings import INTERPOLATIONS, taken_from
+from volviz.custom_gl.shared_settings import CutSettings
 from volviz.errors import SettingError
 from volviz.model.parameters import Cost, parameter
 
@@ -28,7 +29,6 @@ NORMAL_SOURCES = (
     ("bumps", "Bumps"),
     ("image", "Image file"),
 )
-COLOR_SOURCES = (("transfer_function", "Transfer function"), ("flat", "One colour"))
 NORMALIZATIONS = (("cube_map", "Cube map"), ("shader", "In the shader"))
 LIGHTINGS = (("pixel", "Per pixel"), ("vertex", "Per vertex"))
 ENCODINGS = (
@@ -54,24 +54,15 @@ class BumpSettings:
         group="Surface",
         cost=Cost.DATA,
     )
-    plane_origin: tuple[float, float, float] | None = parameter(
-        None,
-        "Plane origin",
-        "A point of the cut plane in world space; patterns are laid out from it.",
-        kind="vector",
-        optional=True,
-        none_label="middle of the box",
-        group="Surface",
+    plane_origin: tuple[float, float, float] | None = taken_from(
+        CutSettings,
+        "plane_origin",
+        tooltip="A point of the cut plane in world space; patterns are laid out from it.",
         enabled_by=("surface", ("plane", "both")),
     )
-    plane_normal: tuple[float, float, float] | None = parameter(
-        None,
-        "Plane normal",
-        "Direction in which the cut plane faces.",
-        kind="vector",
-        optional=True,
-        none_label="towards the first view",
-        group="Surface",
+    plane_normal: tuple[float, float, float] | None = taken_from(
+        CutSettings,
+        "plane_normal",
         enabled_by=("surface", ("plane", "both")),
     )
     plane_up: tuple[float, float, float] | None = parameter(
@@ -128,27 +119,15 @@ class BumpSettings:
         group="Relief",
         cost=Cost.PROGRAM,
     )
-    bump_strength: float = parameter(
-        1.0,
-        "Bump strength",
-        "Height of the relief: 0 is smooth, negative turns hills into hollows. At 1 the whole range of the "
+    bump_strength: float = taken_from(
+        CutSettings,
+        "bump_strength",
+        tooltip="Height of the relief: 0 is smooth, negative turns hills into hollows. At 1 the whole range of the "
         "data is six voxels high, and patterns and images are as they were made.",
-        group="Relief",
-        minimum=-100.0,
-        maximum=100.0,
-        soft_minimum=-3.0,
-        soft_maximum=3.0,
     )
-    gradient_delta: float = parameter(
-        1.0,
-        "Gradient delta",
-        "Distance of the differences to either side of a point; larger is smoother.",
-        unit="voxels",
-        group="Relief",
-        minimum=0.05,
-        maximum=8.0,
-        soft_minimum=0.25,
-        soft_maximum=4.0,
+    gradient_delta: float = taken_from(
+        CutSettings,
+        "gradient_delta",
         enabled_by=("normal_source", ("data",)),
     )
     tile_size: float | None = parameter(
@@ -183,25 +162,19 @@ class BumpSettings:
         group="Relief",
         enabled_by=("normal_source", ("image",)),
     )
-    color_source: str = parameter(
-        "transfer_function",
-        "Colour",
-        "What the light is multiplied by: the transfer function's colour at each point, or one colour.",
-        choices=COLOR_SOURCES,
-        group="Colour",
-        cost=Cost.PROGRAM,
+    color_source: str = taken_from(
+        CutSettings,
+        "color_source",
     )
-    flat_color: tuple[float, float, float] = parameter(
-        (0.8, 0.74, 0.66), "One colour", "Colour of the whole surface.", kind="color", group="Colour",
-        enabled_by=("color_source", ("flat",)),
-    )  # fmt: skip
-    cut_out: bool = parameter(
-        True,
-        "Cut out transparent",
-        "Leaves out places that the transfer function makes fully transparent, such as air; off, the whole "
+    flat_color: tuple[float, float, float] = taken_from(
+        CutSettings,
+        "flat_color",
+    )
+    cut_out: bool = taken_from(
+        CutSettings,
+        "cut_out",
+        tooltip="Leaves out places that the transfer function makes fully transparent, such as air; off, the whole "
         "surface is opaque.",
-        group="Colour",
-        cost=Cost.PROGRAM,
     )
     density_threshold: float = parameter(
         0.0, "Density threshold", "Values below this fraction of the data range are left out.",
@@ -211,13 +184,14 @@ class BumpSettings:
         "linear", "Interpolation", "Between voxel centres, or the nearest voxel as a block.",
         choices=INTERPOLATIONS, group="Colour", cost=Cost.PROGRAM,
     )  # fmt: skip
-    ambient: float = parameter(
-        0.15, "Ambient", "Light that reaches every place.", group="Lighting", minimum=0.0, maximum=1.0
+    ambient: float = taken_from(
+        CutSettings,
+        "ambient",
     )
-    diffuse: float = parameter(
-        0.85, "Diffuse", "Light scattered evenly from a lit surface.", group="Lighting",
-        minimum=0.0, maximum=2.0,
-    )  # fmt: skip
+    diffuse: float = taken_from(
+        CutSettings,
+        "diffuse",
+    )
     lighting: str = parameter(
         "pixel",
         "Lighting",

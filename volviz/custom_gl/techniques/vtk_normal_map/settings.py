@@ -4,33 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from volviz.custom_gl.settings import taken_from
+from volviz.custom_gl.shared_settings import CutSettings
 from volviz.model.parameters import Cost, parameter
-
-COLOR_SOURCES = (("transfer_function", "Transfer function"), ("flat", "One colour"))
 
 
 @dataclass(frozen=True)
 class VtkNormalMapSettings:
     """Which plane is shown, how high its relief is and how it is lit."""
 
-    plane_origin: tuple[float, float, float] | None = parameter(
-        None,
-        "Plane origin",
-        "A point of the cut plane in world space.",
-        kind="vector",
-        optional=True,
-        none_label="middle of the box",
-        group="Surface",
+    plane_origin: tuple[float, float, float] | None = taken_from(
+        CutSettings,
+        "plane_origin",
         cost=Cost.DATA,
     )
-    plane_normal: tuple[float, float, float] | None = parameter(
-        None,
-        "Plane normal",
-        "Direction in which the cut plane faces.",
-        kind="vector",
-        optional=True,
-        none_label="towards the first view",
-        group="Surface",
+    plane_normal: tuple[float, float, float] | None = taken_from(
+        CutSettings,
+        "plane_normal",
         cost=Cost.DATA,
     )
     texels: int = parameter(
@@ -45,53 +35,37 @@ class VtkNormalMapSettings:
         logarithmic=True,
         cost=Cost.DATA,
     )
-    bump_strength: float = parameter(
-        1.0,
-        "Bump strength",
-        "Height of the relief: 0 is smooth, negative turns hills into hollows. At 1 the whole range of the "
-        "data is six voxels high.",
-        group="Relief",
-        minimum=-100.0,
-        maximum=100.0,
-        soft_minimum=-3.0,
-        soft_maximum=3.0,
+    bump_strength: float = taken_from(
+        CutSettings,
+        "bump_strength",
         cost=Cost.DATA,
     )
-    gradient_delta: float = parameter(
-        1.0,
-        "Gradient delta",
-        "Distance of the differences to either side of a point; larger is smoother.",
-        unit="voxels",
-        group="Relief",
-        minimum=0.05,
-        maximum=8.0,
-        soft_minimum=0.25,
-        soft_maximum=4.0,
+    gradient_delta: float = taken_from(
+        CutSettings,
+        "gradient_delta",
         cost=Cost.DATA,
     )
-    color_source: str = parameter(
-        "transfer_function",
-        "Colour",
-        "What the light is multiplied by: the transfer function's colour at each point, or one colour.",
-        choices=COLOR_SOURCES,
-        group="Colour",
+    color_source: str = taken_from(
+        CutSettings,
+        "color_source",
         cost=Cost.DATA,
     )
-    flat_color: tuple[float, float, float] = parameter(
-        (0.8, 0.74, 0.66), "One colour", "Colour of the whole surface.", kind="color", group="Colour",
-        enabled_by=("color_source", ("flat",)), cost=Cost.DATA,
-    )  # fmt: skip
-    cut_out: bool = parameter(
-        True,
-        "Cut out transparent",
-        "Leaves out places that the transfer function makes fully transparent, such as air.",
-        group="Colour",
+    flat_color: tuple[float, float, float] = taken_from(
+        CutSettings,
+        "flat_color",
         cost=Cost.DATA,
     )
-    ambient: float = parameter(
-        0.15, "Ambient", "Light that reaches every place.", group="Lighting", minimum=0.0, maximum=1.0
+    cut_out: bool = taken_from(
+        CutSettings,
+        "cut_out",
+        cost=Cost.DATA,
     )
-    diffuse: float = parameter(
-        0.85, "Diffuse", "Light scattered evenly from a lit surface.", group="Lighting",
-        minimum=0.0, maximum=1.0,
-    )  # fmt: skip
+    ambient: float = taken_from(
+        CutSettings,
+        "ambient",
+    )
+    diffuse: float = taken_from(
+        CutSettings,
+        "diffuse",
+        maximum=1.0,
+    )
