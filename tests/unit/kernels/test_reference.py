@@ -16,29 +16,32 @@ from volviz.kernels.reference_rays import pixel_rays
 
 FLAT = np.array([[1.0, 0.5, 0.25, 0.05]] * 2)
 
+#: What a ray may be asked for besides its step, one thing or pair of things at a time.
+OPTIONS = [
+    {},
+    {"first_sample": 0.0},
+    {"first_sample": 1.0},
+    {"early_termination": 0.6},
+    {"density_threshold": 0.45},
+    {"gradient_opacity": 0.7, "gradient_reference": 0.2},
+    {"shading": Shading(0.2, 0.6, 0.4, 12.0, gradient_delta=0.7)},
+    {"shading": Shading(0.2, 0.6, 0.4, 12.0, (30.0, -20.0, 40.0), (1.0, 0.8, 0.5))},
+    {"crop": (1.25, 9.5, 2.0, 12.75, 0.5, 11.0)},
+    {"clip_planes": ((-3.0, (0.6, 0.8, 0.0)), (-2.0, (0.0, 0.6, -0.8)))},
+    {"interpolation": "nearest"},
+    *[{"mode": mode} for mode in MODES[1:]],
+    {"mode": "attenuated_maximum", "attenuation": 0.2},
+    {"mode": "average", "density_threshold": 0.4},
+    {"mode": "minimum", "density_threshold": 0.4},
+    {"mode": "additive", "unit_distance": 30.0, "shading": Shading()},
+]
+
 
 @pytest.mark.parametrize("left_handed", [False, True])
 @pytest.mark.parametrize("parallel", [False, True])
 @pytest.mark.parametrize(
     "options",
-    [
-        {},
-        {"first_sample": 0.0},
-        {"first_sample": 1.0},
-        {"early_termination": 0.6},
-        {"density_threshold": 0.45},
-        {"gradient_opacity": 0.7, "gradient_reference": 0.2},
-        {"shading": Shading(0.2, 0.6, 0.4, 12.0, gradient_delta=0.7)},
-        {"shading": Shading(0.2, 0.6, 0.4, 12.0, (30.0, -20.0, 40.0), (1.0, 0.8, 0.5))},
-        {"crop": (1.25, 9.5, 2.0, 12.75, 0.5, 11.0)},
-        {"clip_planes": ((-3.0, (0.6, 0.8, 0.0)), (-2.0, (0.0, 0.6, -0.8)))},
-        {"interpolation": "nearest"},
-        *[{"mode": mode} for mode in MODES[1:]],
-        {"mode": "attenuated_maximum", "attenuation": 0.2},
-        {"mode": "average", "density_threshold": 0.4},
-        {"mode": "minimum", "density_threshold": 0.4},
-        {"mode": "additive", "unit_distance": 30.0, "shading": Shading()},
-    ],
+    OPTIONS,
     ids=lambda o: "-".join(f"{k}={v}" for k, v in o.items())[:50] if isinstance(o, dict) else None,
 )
 def test_a_second_implementation_gives_the_same_pixels(options, left_handed, parallel):

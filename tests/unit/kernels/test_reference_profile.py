@@ -7,9 +7,9 @@ import pytest
 
 from tests.unit.kernels.cameras import look_at, orthographic
 from tests.unit.kernels.scenes import colorful_table, scene, smooth_field
-from tests.unit.kernels.test_reference import in_scene_units
+from tests.unit.kernels.test_reference import OPTIONS, in_scene_units
 from volviz.kernels.preintegration import extinction_sums
-from volviz.kernels.reference import MODES, Shading, reference_render
+from volviz.kernels.reference import Shading, reference_render
 from volviz.kernels.reference_profile import (
     Lattice,
     Optics,
@@ -60,24 +60,9 @@ def profile_of(array, matrix, camera, pixel, table, options) -> RayProfile:
 @pytest.mark.parametrize(
     "options",
     [
-        {},
-        {"first_sample": 0.0},
-        {"first_sample": 1.0},
-        {"early_termination": 0.6},
-        {"density_threshold": 0.45},
-        {"gradient_opacity": 0.7, "gradient_reference": 0.2},
-        {"shading": Shading(0.2, 0.6, 0.4, 12.0, gradient_delta=0.7)},
-        {"shading": Shading(0.2, 0.6, 0.4, 12.0, (30.0, -20.0, 40.0), (1.0, 0.8, 0.5))},
-        {"crop": (1.25, 9.5, 2.0, 12.75, 0.5, 11.0)},
-        {"clip_planes": ((-3.0, (0.6, 0.8, 0.0)), (-2.0, (0.0, 0.6, -0.8)))},
-        {"interpolation": "nearest"},
+        *OPTIONS,
         {"preintegrated": True},
         {"preintegrated": True, "gradient_opacity": 0.7, "gradient_reference": 0.2, "shading": Shading()},
-        *[{"mode": mode} for mode in MODES[1:]],
-        {"mode": "attenuated_maximum", "attenuation": 0.2},
-        {"mode": "average", "density_threshold": 0.4},
-        {"mode": "minimum", "density_threshold": 0.4},
-        {"mode": "additive", "unit_distance": 30.0, "shading": Shading()},
     ],
     ids=lambda o: "-".join(f"{k}={v}" for k, v in o.items())[:50] if isinstance(o, dict) else None,
 )

@@ -701,9 +701,11 @@ class VolumeHandle:
         column, row : int
             Pixel of the viewport, (0, 0) at the upper left.
         """
-        self.window.MakeCurrent()
-        with self._gpu.foreign() as gpu:
-            return self._depth.at(gpu, column, row)
+        if not self._depth.is_read:
+            self.window.MakeCurrent()
+            with self._gpu.foreign() as gpu:
+                self._depth.read(gpu)
+        return self._depth.at(column, row)
 
     def raise_error(self) -> None:
         """Raise what went wrong in the last drawing, if anything did."""

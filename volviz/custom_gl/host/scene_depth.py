@@ -29,7 +29,7 @@ class SceneDepth:
         self._fbo: Any = None
         self._size = (0, 0)
         self._texture: Any = None
-        self._read: tuple[Any, npt.NDArray[np.float32]] | None = None
+        self._pixels: tuple[Any, npt.NDArray[np.float32]] | None = None
         self.key: Any = None
 
     @property
@@ -63,13 +63,16 @@ class SceneDepth:
             self._capture(gpu, window, (x, y), (width, height))
             self.key = key
 
-    def at(self, gpu: Gpu, column: int, row: int) -> float | None:
-        """Window depth 0..1 at a pixel, (0, 0) at the upper left; None where nothing opaque is."""
-        if self.texture is None:
+    @property
+    def is_read(self) -> bool:
+        """Whether `at` can answer without OpenGL: the copy has been read, or there is nothing opaque."""
+        return self.texture is None or (self._pixels is not None and self._pixels[0] == self.key)
+
+    def at(self, column: int, row: int) -> float | None:
+        """Window depth 0..1 at a pixel of what was last `read`, (0, 0) at the upper left; None for nothing opaque."""
+        if self.texture is None or self._pixels is None:
             return None
-        if self._read is None or self._read[0] != self.key:
-            self._read = (self.key, self._pixels(gpu))
-        depths = self._read[1]
+        depths = self._pixels[1]
         if not (0 <= row < depths.shape[0] and 0 <= column < depths.shape[1]):
             return None
         depth = float(depths[depths.shape[0] - 1 - row, column])
@@ -103,12 +106,12 @@ class SceneDepth:
         )
         state.PopFramebufferBindings()
 
-    def _pixels(self, gpu: Gpu) -> npt.NDArray[np.float32]:
-        """The copy as an array of shape (height, width), window depth 0..1, row 0 at the bottom."""
+    def read(self, gpu: Gpu) -> None:
+        """Fetch the copy for `at`: window depth 0..1, row 0 at the bottom."""
         width, height = self._size
         framebuffer = gpu.gl.detect_framebuffer(self._fbo.GetFBOIndex())
         data = framebuffer.read((0, 0, width, height), components=1, attachment=-1, alignment=1, dtype="f4")
-        return np.frombuffer(data, np.float32).reshape(height, width)
+        self._pixels = (self.key, np.frombuffer(data, np.float32).reshape(height, width))
 
     def release(self, window: Any) -> None:
         """Release the copy."""
@@ -116,6 +119,7 @@ class SceneDepth:
             self._fbo.ReleaseGraphicsResources(window)
             self._fbo = None
             self._texture = None
+            self._pixels = None
             self.key = None
 
 
