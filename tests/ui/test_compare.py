@@ -100,6 +100,19 @@ def test_the_header_chooses_the_technique_of_its_view(split: MainWindow) -> None
     assert split.store.scene.active == 1
 
 
+def test_the_words_of_a_header_give_way_where_it_is_too_narrow(split: MainWindow) -> None:
+    header = split.views.panes[0].header
+    for width in range(180, 520, 20):
+        header.resize(width, header.height())
+        header.layout().activate()
+        if header.words.isVisible():
+            assert header.words.geometry().right() < header.close_button.geometry().left()
+            assert header.box.geometry().right() < header.words.geometry().left()
+        else:
+            assert width < 400
+    assert header.words.isVisible()
+
+
 def test_undo_goes_through_splitting_and_techniques_of_both_views(split: MainWindow, wait_for: Wait) -> None:
     choose_technique(split.store, "isosurface", view=1)
     choose_technique(split.store, "slicing", view=0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from volviz.model.scene import Store
@@ -56,6 +56,16 @@ class ViewHeader(QWidget):
         layout.addWidget(self.box, 1)
         layout.addWidget(self.words)
         layout.addWidget(self.close_button)
+
+        self._needed = (
+            self.box.minimumSizeHint().width() + widest + self.close_button.sizeHint().width()
+            + 2 * layout.spacing() + layout.contentsMargins().left() + layout.contentsMargins().right()
+        )  # fmt: skip
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """In a view too narrow for all three, the words give way: they would lie below the button."""
+        super().resizeEvent(event)
+        self.words.setVisible(self.width() >= self._needed)
 
     @property
     def is_active(self) -> bool:
