@@ -1,8 +1,4 @@
-"""Distance between two triangle meshes: exact from samples of the one to the triangles of the other.
-
-The triangles are sorted along a space-filling curve and grouped into a balanced binary tree of boxes; a query
-goes down the nearer box first and leaves out what is farther than the best distance so far.
-"""
+"""Distance between two triangle meshes: exact from samples of the one to the triangles of the other."""
 
 from __future__ import annotations
 
@@ -12,14 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.errors import InputError
-from volviz.kernels.compiled import compiled
-from volviz.kernels.threads import map_ranges
+from volviz.compare.surface_tree import SurfaceTree, mesh_arrays
 
 Array = npt.NDArray[Any]
-
-#: Triangles in the lowest boxes of the tree.
-LEAF = 4
 
 
 @dataclass(frozen=True)
@@ -34,12 +25,18 @@ class SurfaceDistance:
         Largest distance from the first to the second surface, and back.
     mean : float
         Mean distance of all samples of both.
+    forward_mean, backward_mean, forward_rms, backward_rms : float
+        Mean and root of the mean square of the distances from the first to the second surface, and back.
     """
 
     hausdorff: float
     forward: float
     backward: float
     mean: float
+    forward_mean: float
+    backward_mean: float
+    forward_rms: float
+    backward_rms: float
 
 
 def surface_distance(
@@ -62,12 +59,20 @@ def surface_distance(
     InputError
         A mesh without triangles.
     """
-    a, b = _mesh(*first), _mesh(*second)
+    a, b = mesh_arrays(*first), mesh_arrays(*second)
     forward = distances_to_surface(_samples(*a, max_samples), *b)
     backward = distances_to_surface(_samples(*b, max_samples), *a)
     high, low = float(forward.max()), float(backward.max())
-    mean = float(np.concatenate([forward, backward]).mean())
-    return SurfaceDistance(max(high, low), high, low, mean)
+    return SurfaceDistance(
+        hausdorff=max(high, low),
+        forward=high,
+        backward=low,
+        mean=float(np.concatenate([forward, backward]).mean()),
+        forward_mean=float(forward.mean()),
+        backward_mean=float(backward.mean()),
+        forward_rms=root_mean_square(forward),
+        backward_rms=root_mean_square(backward),
+    )
 
 
 def distances_to_surface(
@@ -88,31 +93,12 @@ def distances_to_surface(
     ndarray of shape (N,), float64
         In world units.
     """
-    queries = np.ascontiguousarray(points, np.float64)
-    corners, triangles = _mesh(vertices, faces)
-    middles = corners[triangles[:, 0]] + corners[triangles[:, 1]] + corners[triangles[:, 2]]
-    triangles = triangles[_curve_order(middles)]
-    leaves = 1 << max(0, int(np.ceil(np.log2(len(triangles) / LEAF))))
-    boxes = np.empty((2 * leaves, 2, 3))
-    boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
-    _build(corners, triangles, boxes, leaves)
-    # neighbours are asked for one after the other: they go through the same boxes
-    order = _curve_order(queries) if len(queries) else np.empty(0, np.int64)
-    ordered = queries[order]
-    found = np.empty(len(queries))
-    map_ranges(
-        lambda a, b: _search(ordered[a:b], corners, triangles, boxes, leaves, found[a:b]), len(queries)
-    )
-    result = np.empty(len(queries))
-    result[order] = found
-    return result
+    return SurfaceTree(vertices, faces).nearest(points)[0]
 
 
-def _mesh(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> tuple[Array, Array]:
-    corners, triangles = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int64)
-    if not len(triangles):
-        raise InputError("A mesh without triangles has no distance to anything; choose another isovalue.")
-    return corners, triangles
+def root_mean_square(values: Array) -> float:
+    """Root of the mean of the squares."""
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _samples(vertices: Array, faces: Array, most: int) -> Array:
@@ -122,115 +108,3 @@ def _samples(vertices: Array, faces: Array, most: int) -> Array:
     corners = faces[chosen[chosen >= len(used)] - len(used)]
     middles = (vertices[corners[:, 0]] + vertices[corners[:, 1]] + vertices[corners[:, 2]]) / 3.0
     return np.concatenate([vertices[used[chosen[chosen < len(used)]]], middles])
-
-
-def _curve_order(points: Array) -> Array:
-    """Order of points along the Z-order curve (Morton 1966), 2^20 steps along each axis."""
-    low = points.min(axis=0)
-    size = max(float((points.max(axis=0) - low).max()), np.finfo(float).tiny)
-    grid = ((points - low) / size * (2**20 - 1)).astype(np.uint64)
-    code = np.zeros(len(points), np.uint64)
-    for axis in range(3):
-        bits = grid[:, axis]
-        for shift, mask in (
-            (32, 0x1F00000000FFFF),
-            (16, 0x1F0000FF0000FF),
-            (8, 0x100F00F00F00F00F),
-            (4, 0x10C30C30C30C30C3),
-            (2, 0x1249249249249249),
-        ):
-            bits = (bits | bits << np.uint64(shift)) & np.uint64(mask)
-        code |= bits << np.uint64(axis)
-    return np.argsort(code, kind="stable")
-
-
-@compiled
-def _build(vertices: Array, faces: Array, boxes: Array, leaves: int) -> None:
-    """Boxes of the leaves, from number `leaves` on, and of their parents: box i holds 2 i and 2 i + 1."""
-    for f in range(faces.shape[0]):
-        leaf = leaves + f * leaves // faces.shape[0]
-        for i in range(3):
-            for axis in range(3):
-                value = vertices[faces[f, i], axis]
-                boxes[leaf, 0, axis] = min(boxes[leaf, 0, axis], value)
-                boxes[leaf, 1, axis] = max(boxes[leaf, 1, axis], value)
-    for node in range(leaves - 1, 0, -1):
-        for axis in range(3):
-            boxes[node, 0, axis] = min(boxes[2 * node, 0, axis], boxes[2 * node + 1, 0, axis])
-            boxes[node, 1, axis] = max(boxes[2 * node, 1, axis], boxes[2 * node + 1, 1, axis])
-
-
-@compiled
-def _search(queries: Array, vertices: Array, faces: Array, boxes: Array, leaves: int, result: Array) -> None:
-    count = faces.shape[0]
-    nodes = np.empty(64, np.int64)
-    reaches = np.empty(64, np.float64)
-    nearest = 0
-    for q in range(queries.shape[0]):
-        p = queries[q]
-        # the triangle nearest to the query before is not far from this one either
-        best = _squared_to_triangle(
-            p, vertices[faces[nearest, 0]], vertices[faces[nearest, 1]], vertices[faces[nearest, 2]]
-        )
-        nodes[0], reaches[0] = 1, 0.0
-        open_nodes = 1
-        while open_nodes > 0:
-            open_nodes -= 1
-            node = nodes[open_nodes]
-            if reaches[open_nodes] >= best:
-                continue
-            if node >= leaves:
-                # The triangles f with f * leaves // count == node - leaves.
-                leaf = node - leaves
-                for f in range(-(-leaf * count // leaves), -(-(leaf + 1) * count // leaves)):
-                    a, b, c = vertices[faces[f, 0]], vertices[faces[f, 1]], vertices[faces[f, 2]]
-                    squared = _squared_to_triangle(p, a, b, c)
-                    if squared < best:
-                        best, nearest = squared, f
-                continue
-            left, right = _squared_to_box(p, boxes[2 * node]), _squared_to_box(p, boxes[2 * node + 1])
-            near_is_left = left <= right
-            nodes[open_nodes] = 2 * node + 1 if near_is_left else 2 * node
-            reaches[open_nodes] = right if near_is_left else left
-            nodes[open_nodes + 1] = 2 * node if near_is_left else 2 * node + 1
-            reaches[open_nodes + 1] = left if near_is_left else right
-            open_nodes += 2
-        result[q] = np.sqrt(best)
-
-
-@compiled
-def _squared_to_box(p: Array, box: Array) -> float:
-    total = 0.0
-    for axis in range(3):
-        gap = max(box[0, axis] - p[axis], p[axis] - box[1, axis], 0.0)
-        total += gap * gap
-    return total
-
-
-@compiled
-def _squared_to_triangle(p: Array, a: Array, b: Array, c: Array) -> float:
-    """Squared distance of a point to a triangle: to its plane when the foot lies inside, else to a side."""
-    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-    px, py, pz = p[0] - a[0], p[1] - a[1], p[2] - a[2]
-    uu, uv, vv = ux * ux + uy * uy + uz * uz, ux * vx + uy * vy + uz * vz, vx * vx + vy * vy + vz * vz
-    up, vp = ux * px + uy * py + uz * pz, vx * px + vy * py + vz * pz
-    determinant = uu * vv - uv * uv
-    if determinant > 1e-14 * uu * vv:
-        s, t = (vv * up - uv * vp) / determinant, (uu * vp - uv * up) / determinant
-        if s >= 0 and t >= 0 and s + t <= 1:
-            rx, ry, rz = px - s * ux - t * vx, py - s * uy - t * vy, pz - s * uz - t * vz
-            return float(rx * rx + ry * ry + rz * rz)
-    return min(_squared_to_segment(p, a, b), _squared_to_segment(p, b, c), _squared_to_segment(p, c, a))
-
-
-@compiled
-def _squared_to_segment(p: Array, a: Array, b: Array) -> float:
-    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    px, py, pz = p[0] - a[0], p[1] - a[1], p[2] - a[2]
-    length = ux * ux + uy * uy + uz * uz
-    s = 0.0
-    if length > 0:
-        s = min(1.0, max(0.0, (ux * px + uy * py + uz * pz) / length))
-    rx, ry, rz = px - s * ux, py - s * uy, pz - s * uz
-    return float(rx * rx + ry * ry + rz * rz)
