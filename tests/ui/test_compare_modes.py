@@ -252,3 +252,49 @@ def test_sizes_files_techniques_and_closing_leave_right_pictures(
     assert pair.views.arrangement.divider.isHidden()
     assert pair.viewport.size() == pair.views.size()
     assert np.abs(on_screen(pair) - picture_of(pair.viewport)).mean() < 1
+
+
+def test_which_two_of_four_views_are_compared_is_said_and_can_be_chosen(
+    window: MainWindow, wait_for: Wait
+) -> None:
+    window.actions_.four_views.trigger()
+    for view, technique in enumerate(("raycast", "isosurface", "slicing", "splatting")):
+        choose_technique(window.store, technique, view=view)
+    badges = [pane.header.badge for pane in window.views.panes]
+    look = window.compare_panel.look
+    assert [badge.text() for badge in badges] == ["A", "B", "3", "4"]
+    assert [box.currentText() for box in look.sides] == ["1  Ray casting", "2  Isosurface"]
+    # the fourth as B by its badge, then a wipe: no other views are seen
+    badges[3].menu().aboutToShow.emit()
+    next(action for action in badges[3].menu().actions() if action.text().endswith("as B")).trigger()
+    assert [badge.text() for badge in badges] == ["A", "2", "3", "B"]
+    window.views.activate(2)
+    enter(window, "wipe", wait_for)
+    assert [pane.frame.isVisible() for pane in window.views.panes] == [True, False, False, True]
+    assert window.store.scene.active == 0
+    assert "two of 4" in look.seen.text()
+    seen = on_screen(window)
+    half = window.views.width() // 2
+    right = picture_of(viewports(window)[3])[:, half + 12 :]
+    assert np.abs(seen[:, half + 12 :] - right).max() <= 1
+    # keys go from A to B, and choosing B as A exchanges the sides
+    QTest.keyClick(window, "N")
+    assert window.store.scene.active == 3
+    look.sides[0].activated.emit(3)
+    wait_for(lambda: is_complete(window))
+    QTest.qWait(50)
+    assert [badge.text() for badge in badges] == ["B", "2", "3", "A"]
+    assert (
+        np.abs(on_screen(window)[:, half + 12 :] - picture_of(viewports(window)[0])[:, half + 12 :]).max()
+        <= 1
+    )
+    # the difference of another pair is that of their exported pictures
+    enter(window, "difference", wait_for)
+    look.sides[0].activated.emit(1)
+    view = window.views.arrangement.difference
+    wait_for(lambda: is_complete(window) and view.is_exact)
+    first, second = window.views.pair_pictures()
+    assert window.store.scene.pair == (1, 0)
+    expected = difference_image(first, second, kind="signed", limit=view.limit)
+    assert np.abs(array_of(view.image).astype(float) - expected.picture).mean() < 0.5
+    assert view.caption().startswith("B \N{MINUS SIGN} A")

@@ -240,9 +240,9 @@ class Actions(QObject):
         modes = QActionGroup(self)
         for mode, words, key, tooltip in (
             ("side_by_side", tr("&Side by side"), "F6", tr("All views beside one another")),
-            ("wipe", tr("&Wipe"), "F7", tr("One view over the other, up to a line that can be dragged")),
-            ("blink", tr("&Blink"), "F8", tr("One view and the other in turn")),
-            ("difference", tr("&Difference"), "F9", tr("What one view has that the other has not")),
+            ("wipe", tr("&Wipe"), "F7", tr("View B over view A, up to a line that can be dragged")),
+            ("blink", tr("&Blink"), "F8", tr("Views A and B in turn")),
+            ("difference", tr("&Difference"), "F9", tr("What view B has that view A has not")),
         ):
             action = self._make(
                 words, lambda _on=True, key=mode: compare.set_mode(key), key, "", tooltip, checkable=True
@@ -272,11 +272,11 @@ class Actions(QObject):
             tr("Let the Technique panel and the keys act on the next view"),
         )
         self.swap_views = self._make(
-            tr("E&xchange the views"),
+            tr("E&xchange A and B"),
             compare.swap,
             "",
             "",
-            tr("The first view to the right, the second to the left"),
+            tr("Let the compared views, A and B, change places"),
         )
         self.close_view = self._make(
             tr("&Close the view"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from volviz.errors import InputError
@@ -21,12 +21,14 @@ LIMITS = (1.0, 255.0)
 
 @dataclass(frozen=True)
 class Comparison:
-    """How the first view and another one are laid over each other.
+    """How two of the views are laid over each other.
 
     Attributes
     ----------
     mode : {"side_by_side", "wipe", "blink", "difference"}
-        Only "side_by_side" shows all views; the others show the first one and its counterpart.
+        Only "side_by_side" shows all views; the others show the compared two.
+    pair : tuple of 2 ints
+        Numbers of the compared views: A, left of the line of a wipe and taken away in a difference, and B.
     divider : float
         Where the wipe passes from one picture to the other, as a fraction of the width, 0..1.
     period : float
@@ -45,6 +47,7 @@ class Comparison:
     """
 
     mode: Mode = "side_by_side"
+    pair: tuple[int, int] = (0, 1)
     divider: float = 0.5
     period: float = 0.7
     map: Map = "signed"
@@ -59,6 +62,8 @@ class Comparison:
         ):
             if value not in known:
                 raise InputError(f"{name} of a comparison is one of {', '.join(known)}, got {value!r}.")
+        if min(self.pair) < 0 or self.pair[0] == self.pair[1]:
+            raise InputError(f"two different views are compared, got the numbers {self.pair!r}.")
         for name, number, (low, high) in (
             ("divider", self.divider, (0.0, 1.0)),
             ("period", self.period, PERIODS),
@@ -66,3 +71,30 @@ class Comparison:
         ):
             if number is not None and not low <= number <= high:
                 raise InputError(f"{name} of a comparison lies within {low:g} and {high:g}, got {number!r}.")
+
+    def pair_of(self, count: int) -> tuple[int, int]:
+        """The compared ones of so many views, at least two: what is not there gives way to a neighbour."""
+        first, second = (min(view, count - 1) for view in self.pair)
+        if first == second:
+            first, second = (first - 1, first) if first else (0, 1)
+        return first, second
+
+    def with_side(self, side: int, view: int, count: int) -> Comparison:
+        """Another view as A (side 0) or B (1); when it is the other side already, the two exchange places."""
+        pair = list(self.pair_of(count))
+        if pair[1 - side] == view:
+            pair.reverse()
+        else:
+            pair[side] = view
+        return replace(self, pair=(pair[0], pair[1]))
+
+    def without_view(self, closed: int, count: int) -> Comparison:
+        """After one of so many views is closed: the same two go on being compared, or what takes their place."""
+        pair = self.pair_of(count)
+        if closed not in pair:
+            first, second = (view - (view > closed) for view in pair)
+        else:
+            (kept,) = (view - (view > closed) for view in pair if view != closed)
+            other = next(view for view in range(count) if view != kept)
+            first, second = sorted((kept, other))
+        return replace(self, pair=(first, second))

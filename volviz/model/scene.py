@@ -120,6 +120,18 @@ class Scene:
         """Number of the active view, within those that there are."""
         return min(max(self.active, 0), len(self.views) - 1)
 
+    @property
+    def pair(self) -> tuple[int, int] | None:
+        """Numbers of the two views that are compared, A and B; None when there is one view only."""
+        return self.comparison.pair_of(len(self.views)) if len(self.views) > 1 else None
+
+    @property
+    def seen(self) -> tuple[int, ...]:
+        """Numbers of the views that are to be seen, or whose difference is."""
+        pair = self.pair
+        overlaid = pair is not None and self.comparison.mode != "side_by_side"
+        return pair if pair is not None and overlaid else tuple(range(len(self.views)))
+
     def with_layer(self, **changes: Any) -> Scene:
         """The scene with the first layer changed."""
         return replace(self, layers=(replace(self.layers[0], **changes), *self.layers[1:]))
@@ -138,7 +150,10 @@ class Scene:
     def with_view_count(self, count: int) -> Scene:
         """The scene with so many views: new ones repeat the active one, those at the end go."""
         views = (*self.views, *(count - len(self.views)) * (self.view,))[: max(count, 1)]
-        return replace(self, views=views, active=min(self.active_index, len(views) - 1))
+        comparison = replace(self.comparison, pair=self.comparison.pair if count > 2 else (0, 1))
+        return replace(
+            self, views=views, active=min(self.active_index, len(views) - 1), comparison=comparison
+        )
 
     def without_view(self, index: int) -> Scene:
         """The scene with one view closed; the last one stays."""
@@ -146,7 +161,8 @@ class Scene:
             return self
         views = (*self.views[:index], *self.views[index + 1 :])
         active = self.active_index - (self.active_index > index)
-        return replace(self, views=views, active=min(active, len(views) - 1))
+        comparison = self.comparison.without_view(index, len(self.views))
+        return replace(self, views=views, active=min(active, len(views) - 1), comparison=comparison)
 
 
 @dataclass

@@ -178,7 +178,11 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
 
 def _comparison(data: Mapping[str, Any]) -> Comparison:
     known = {field.name for field in dataclasses.fields(Comparison)}
-    return Comparison(**{name: value for name, value in data.items() if name in known})
+    values = {name: value for name, value in data.items() if name in known}
+    if "pair" in values:
+        first, second = values["pair"]
+        values["pair"] = int(first), int(second)
+    return Comparison(**values)
 
 
 def _layer(data: dict[str, Any], folder: Path | None) -> Layer:

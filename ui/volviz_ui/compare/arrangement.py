@@ -29,7 +29,6 @@ class Arrangement(QObject):
         super().__init__(area)
         self._area = area
         self._panes: list[Pane] = []
-        self._counterpart = 1
         self._comparison = Comparison()
         self._second_shown = False
         self.divider = Divider(area)
@@ -49,10 +48,11 @@ class Arrangement(QObject):
 
     @property
     def pair(self) -> tuple[Pane, Pane] | None:
-        """The first view and the one that it is compared with, None when there is one view only."""
+        """The compared views, A and B; None when there is one view only."""
         if len(self._panes) < 2:
             return None
-        return self._panes[0], self._panes[min(self._counterpart, len(self._panes) - 1)]
+        first, second = self._comparison.pair_of(len(self._panes))
+        return self._panes[first], self._panes[second]
 
     @property
     def shown(self) -> list[Pane]:
@@ -69,8 +69,6 @@ class Arrangement(QObject):
         """Lay out panes; `active` is the number of the active one."""
         former = (self.pair, self._comparison.mode)
         self._panes, self._comparison = panes, comparison
-        if active > 0:
-            self._counterpart = active
         if (self.pair, comparison.mode) != former:
             self._second_shown = False
             self.difference.clear()

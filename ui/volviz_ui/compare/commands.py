@@ -27,10 +27,18 @@ class CompareCommands(QObject):
         self._store = window.store
 
     def set_view_count(self, count: int) -> None:
-        """Show one, two or four views; new ones begin as the active one is."""
+        """Show one, two or four views; new ones begin as the active one is.
+
+        Whoever asks for more than two wants to see them, so they come side by side.
+        """
+
+        def counted(scene: Scene) -> Scene:
+            comparison = scene.comparison if count <= 2 else replace(scene.comparison, mode="side_by_side")
+            return replace(scene, comparison=comparison).with_view_count(count)
+
         if count != len(self._store.scene.views):
             self._change_views(
-                lambda scene: scene.with_view_count(count),
+                counted,
                 self.tr("One view") if count == 1 else self.tr("%1 views").replace("%1", str(count)),
             )
 
@@ -76,15 +84,21 @@ class CompareCommands(QObject):
 
         def beside(scene: Scene) -> Scene:
             view = scene.view
-            changed = replace(scene, views=(view, replace(view, technique=other.id)), active=0)
+            views = (view, replace(view, technique=other.id))
+            changed = replace(scene.with_view_count(2), views=views, active=0)
             return match_second(changed, 0, 1)
 
         self.show_panel()
         self._change_views(beside, self.tr("Compare with VTK"))
 
     def activate_next(self) -> None:
-        """Let panels and keys act on the next view."""
-        self._look(lambda scene: replace(scene, active=(scene.active_index + 1) % len(scene.views)))
+        """Let panels and keys act on the next view of those that are seen."""
+
+        def next_one(scene: Scene) -> Scene:
+            seen = sorted(scene.seen)
+            return replace(scene, active=next((v for v in seen if v > scene.active_index), seen[0]))
+
+        self._look(next_one)
 
     def close_active(self) -> None:
         """Close the active view; the others stay."""
@@ -93,21 +107,31 @@ class CompareCommands(QObject):
         )
 
     def swap(self) -> None:
-        """Exchange the first view and its counterpart."""
+        """Let A and B change places."""
 
         def swapped(scene: Scene) -> Scene:
-            if len(scene.views) < 2:
+            if scene.pair is None:
                 return scene
-            first, second, *others = scene.views
-            return replace(scene, views=(second, first, *others))
+            first, second = scene.pair
+            views = list(scene.views)
+            views[first], views[second] = views[second], views[first]
+            return replace(scene, views=tuple(views))
 
-        self._store.update(swapped, label=self.tr("Exchange the views"))
+        self._store.update(swapped, label=self.tr("Exchange A and B"))
 
     def set_mode(self, mode: Mode) -> None:
-        """Look at the views side by side, as a wipe, blinking, or at their difference."""
+        """Look at the views side by side, or at A and B as a wipe, blinking, or at their difference."""
         if len(self._store.scene.views) == 1 and mode != "side_by_side":
             self.set_view_count(2)
-        self.change(mode=mode)
+
+        def looked_at(scene: Scene) -> Scene:
+            changed = replace(scene, comparison=replace(scene.comparison, mode=mode))
+            # panels and keys act on what is seen
+            return (
+                changed if changed.active_index in changed.seen else replace(changed, active=changed.seen[0])
+            )
+
+        self._look(looked_at)
 
     def change(self, **changes: Any) -> None:
         """Look at the views in another way; like the camera no step of the history."""

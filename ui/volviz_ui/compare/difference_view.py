@@ -22,7 +22,7 @@ BAR_WIDTH, BAR_MARGIN, BAR_SHARE = 14, 16, 0.55
 
 
 class DifferenceView(QWidget):
-    """Shows what the second picture has that the first has not; lets the mouse through to the views below."""
+    """Shows what B has that A has not; lets the mouse through to the views below."""
 
     shown = Signal()
     """Another difference is to be seen."""
@@ -119,8 +119,12 @@ class DifferenceView(QWidget):
         return "0", f"{self.limit / 2:.3g}", high
 
     def caption(self) -> str:
-        """What the bar counts."""
-        return self.tr("similarity") if self.comparison.map == "ssim" else self.tr("levels of 255")
+        """What the bar counts, in two lines."""
+        if self.comparison.map == "ssim":
+            return self.tr("A and B") + "\n" + self.tr("similarity")
+        signed = self.comparison.map == "signed"
+        words = self.tr("B \N{MINUS SIGN} A") if signed else self.tr("|B \N{MINUS SIGN} A|")
+        return words + "\n" + self.tr("levels of 255")
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """The difference, and the bar with its numbers on a dark ground."""
@@ -136,25 +140,27 @@ class DifferenceView(QWidget):
         metrics = painter.fontMetrics()
         labels, line = self.labels(), metrics.height()
         widest = max(metrics.horizontalAdvance(text) for text in (*labels, "\N{MINUS SIGN}00.0"))
-        words = metrics.horizontalAdvance(self.caption())
+        words = max(metrics.horizontalAdvance(text) for text in self.caption().splitlines())
         width = max(BAR_WIDTH + 8 + widest, words) + 16
         height = min(BAR_SHARE * self.height(), 320.0)
         ground = QRectF(
             self.width() - BAR_MARGIN - width,
-            (self.height() - height) / 2 - line,
+            (self.height() - height) / 2 - 1.5 * line,
             width,
-            height + 2 * line + 8,
+            height + 3 * line + 8,
         )
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(20, 23, 27, 205))
         painter.drawRoundedRect(ground, 5, 5)
         painter.setPen(QColor("#dfe3e7"))
         painter.drawText(
-            QRectF(ground.left() + 8, ground.top() + 3, width - 16, line),
+            QRectF(ground.left() + 8, ground.top() + 3, width - 16, 2 * line),
             Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
             self.caption(),
         )
-        bar = QRectF(ground.left() + 8, ground.top() + line + 10, BAR_WIDTH, ground.height() - 2 * line - 12)
+        bar = QRectF(
+            ground.left() + 8, ground.top() + 2 * line + 10, BAR_WIDTH, ground.height() - 3 * line - 12
+        )
         painter.drawImage(bar, image_of(bar_colors(self.comparison)[::-1, None, :]))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.setPen(QPen(QColor("#8b98a5"), 1))

@@ -54,12 +54,11 @@ class FigureTable(QWidget):
                 self._values[key].append(value)
                 self._grid.addWidget(value, row, column + 1)
 
-    def set_heads(self, *names: str) -> None:
-        """Name the sides."""
-        width = self.fontMetrics().horizontalAdvance("00 000 000")
-        for head, name in zip(self._heads, names, strict=True):
-            head.setText(self.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, width))
-            head.setToolTip(name)
+    def set_heads(self, *heads: tuple[str, str]) -> None:
+        """What stands above the columns, and what it is short for."""
+        for head, (words, tooltip) in zip(self._heads, heads, strict=True):
+            head.setText(words)
+            head.setToolTip(tooltip)
 
     def set_row(self, key: str, *values: str | None) -> None:
         """Show the values of a row; None is a dash."""

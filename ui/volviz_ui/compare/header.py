@@ -1,4 +1,4 @@
-"""The line above a view: which technique draws it, how far its picture is, how long that took."""
+"""The line above a view: A or B, which technique draws it, how far its picture is, how long that took."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QResizeE
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from volviz.model.scene import Store
+from volviz_ui.compare.sides import SideBadge
 from volviz_ui.panels.panel import small_button
 from volviz_ui.panels.technique_box import TechniqueBox
 
@@ -17,7 +18,7 @@ ACCENT = 2
 
 
 class ViewHeader(QWidget):
-    """Technique, status and a button to close, for one of several views.
+    """Badge, technique, status and a button to close, for one of several views.
 
     Parameters
     ----------
@@ -35,6 +36,7 @@ class ViewHeader(QWidget):
         self._active = False
         self._dimmed = False
         self.setAccessibleName(self.tr("View %1").replace("%1", str(view + 1)))
+        self.badge = SideBadge(store, view, self)
         self.box = TechniqueBox(store, self, view=view)
         self.box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.box.setMinimumContentsLength(8)
@@ -53,17 +55,18 @@ class ViewHeader(QWidget):
         layout = QHBoxLayout(self)
         layout.setContentsMargins(4, 2, 4, 2 + ACCENT)
         layout.setSpacing(8)
+        layout.addWidget(self.badge)
         layout.addWidget(self.box, 1)
         layout.addWidget(self.words)
         layout.addWidget(self.close_button)
 
-        self._needed = (
-            self.box.minimumSizeHint().width() + widest + self.close_button.sizeHint().width()
-            + 2 * layout.spacing() + layout.contentsMargins().left() + layout.contentsMargins().right()
-        )  # fmt: skip
+        margins = layout.contentsMargins()
+        widths = [part.sizeHint().width() for part in (self.badge, self.close_button)]
+        widths += [self.box.minimumSizeHint().width(), widest, margins.left(), margins.right()]
+        self._needed = sum(widths) + 3 * layout.spacing()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """In a view too narrow for all three, the words give way: they would lie below the button."""
+        """In a view too narrow for all of it, the words give way: they would lie below the button."""
         super().resizeEvent(event)
         self.words.setVisible(self.width() >= self._needed)
 

@@ -8,11 +8,12 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLabel, QWidget
 
 from volviz.model.comparison import LIMITS, PERIODS, Comparison
-from volviz.model.scene import Store
+from volviz.model.scene import Scene, Store
 from volviz_ui.binding import show_value
+from volviz_ui.compare.sides import LETTERS, SideBox
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.panel import Section
+from volviz_ui.panels.panel import Section, quiet_label, small_button
 
 if TYPE_CHECKING:
     from volviz_ui.compare.commands import CompareCommands
@@ -27,10 +28,21 @@ class LookSection(Section):
         super().__init__(title, parent=parent)
         self._commands = commands
         self._rows: dict[str, tuple[QLabel, QWidget]] = {}
+        self.sides = [SideBox(store, side, self) for side in range(2)]
+        self.swap_button = small_button("arrows-down-up", self.tr("Let A and B change places"), self)
+        self.swap_button.clicked.connect(commands.swap)
+        for side, box in enumerate(self.sides):
+            tail = self.swap_button if side else None
+            self._rows[LETTERS[side]] = (self.add_row(LETTERS[side], box, tail=tail), box)
+        self.seen = quiet_label("", self)
+        self.seen.setWordWrap(True)
+        self.add_wide(self.seen)
         self.mode = self._choice(
             "mode",
             self.tr("Mode"),
-            self.tr("How the views are looked at together (F6 to F9)"),
+            self.tr(
+                "How the views are looked at together (F6 to F9); all but the first mode show A and B only"
+            ),
             [
                 ("side_by_side", self.tr("Side by side")),
                 ("wipe", self.tr("Wipe")),
@@ -49,9 +61,7 @@ class LookSection(Section):
         self.map = self._choice(
             "map",
             self.tr("Show"),
-            self.tr(
-                "What the difference shows: second view minus first, its size, or how alike the structure is"
-            ),
+            self.tr("What the difference shows: B minus A, its size, or how alike the structure is"),
             [
                 ("signed", self.tr("Signed difference")),
                 ("absolute", self.tr("Absolute difference")),
@@ -87,6 +97,15 @@ class LookSection(Section):
         self.limit.valueChanged.connect(self._on_limit_changed)
         self._rows["limit"] = (self.add_row(self.tr("Scale"), self.limit), self.limit)
         show_value(store, lambda scene: scene.comparison, self.show_comparison)
+        show_value(store, _seen, self._show_seen)
+
+    def _show_seen(self, seen: tuple[int, int]) -> None:
+        count, shown = seen
+        for letter in LETTERS:
+            self._show(letter, count > 1)
+        self.swap_button.setVisible(count > 1)
+        self.seen.setVisible(count > shown)
+        self.seen.setText(self.tr("Only A and B are seen, two of %1 views.").replace("%1", str(count)))
 
     def show_comparison(self, comparison: Comparison) -> None:
         """Show how views are compared."""
@@ -131,3 +150,8 @@ class LookSection(Section):
     def _show(self, name: str, shown: bool) -> None:
         for part in self._rows[name]:
             part.setVisible(shown)
+
+
+def _seen(scene: Scene) -> tuple[int, int]:
+    """How many views there are, and how many of them are to be seen."""
+    return len(scene.views), len(scene.seen)

@@ -131,8 +131,10 @@ class Measurements(QObject):
     def _on_match_wanted(self) -> None:
         pair = self._views.arrangement.pair
         if pair is not None:
-            second = pair[1].view
-            self._store.update(lambda scene: match_second(scene, 0, second), label=self.tr("Match settings"))
+            first, second = pair[0].view, pair[1].view
+            self._store.update(
+                lambda scene: match_second(scene, first, second), label=self.tr("Match settings")
+            )
 
     # ------------------------------------------------------------------ what changes
 
@@ -145,7 +147,10 @@ class Measurements(QObject):
             self._forget()
         if _converging(old) != _converging(new):
             self._panel.show_convergence([])
-        if (old.views, old.active_index) != (new.views, new.active_index):
+        if old.pair != new.pair:
+            # figures of others must not stand below the new names
+            self._panel.show_nothing("")
+        if (old.views, old.pair) != (new.views, new.pair):
             self._show_pair(new)
         if old.comparison != new.comparison and self._wanted and self.figures is None:
             self._timer.start()
@@ -183,7 +188,7 @@ class Measurements(QObject):
 def _drawn(scene: Scene) -> Any:
     """What decides the pictures."""
     views = [(v.technique, v.settings, v.camera) for v in scene.views]
-    return views, scene.layers, scene.light, scene.clipping, scene.background
+    return views, scene.pair, scene.layers, scene.light, scene.clipping, scene.background
 
 
 def _converging(scene: Scene) -> Any:

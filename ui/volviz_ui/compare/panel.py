@@ -24,7 +24,7 @@ NARROW = "\N{NARROW NO-BREAK SPACE}"
 
 
 class ComparePanel(Panel):
-    """Shows figures of the first view and its counterpart."""
+    """Shows figures of the compared views, A and B."""
 
     visibility_changed = Signal()
     timing_wanted = Signal()
@@ -52,12 +52,10 @@ class ComparePanel(Panel):
         self.meshes = self._meshes()
         self.words = quiet_label("", self)
         self.words.setWordWrap(True)
-        self.words.setToolTip(self.tr("What the two views do differently"))
+        self.words.setToolTip(self.tr("What A and B do differently"))
         self.match_button = QPushButton(self.tr("Match settings"), self)
         self.match_button.setToolTip(
-            self.tr(
-                "Give the second view the settings of the first; where VTK can do a thing in one way only, ours follows"
-            )
+            self.tr("Give B the settings of A; where VTK can do a thing in one way only, ours follows")
         )
         self.match_button.clicked.connect(self.match_wanted)
 
@@ -221,7 +219,7 @@ class ComparePanel(Panel):
     def show_names(self, first: str, second: str) -> None:
         """Name the sides."""
         for table in (self.sides, self.meshes):
-            table.set_heads(first, second)
+            table.set_heads(("A", first), ("B", second))
 
     def show_figures(self, figures: PairFigures) -> None:
         """Show what was measured of the complete pictures."""
@@ -278,7 +276,7 @@ class ComparePanel(Panel):
         self.sides.set_row("spread", *(f"{100 * t.spread:.0f}{NARROW}%" for t in times))
         factor = ratio(times[1], times[0])
         self.time_ratio.setText(
-            self.tr("The second takes %1 times as long as the first (quartiles %2 to %3).")
+            self.tr("B takes %1 times as long as A (quartiles %2 to %3).")
             .replace("%1", f"{factor.median:.2f}")
             .replace("%2", f"{factor.low:.2f}")
             .replace("%3", f"{factor.high:.2f}")

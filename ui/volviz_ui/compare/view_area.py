@@ -286,6 +286,10 @@ class ViewArea(QWidget):
             self._show_active(new)
         if (old.active_index, old.comparison) != (new.active_index, new.comparison):
             self.place()
+        if old.pair != new.pair:
+            # nothing is drawn anew where both pictures are there already
+            self._completed = [None, None]
+            self._rest.start()
         if old.background != new.background:
             for pane in self.panes:
                 pane.scenery.set_background(new.background)
