@@ -16,6 +16,8 @@ from tests.ui.conftest import drag, is_complete
 from tests.ui.test_compare import viewports
 from tests.ui.test_compare_modes import exported
 from volviz.compare.mesh_metrics import mesh_metrics
+from volviz.compare.timing import FrameTimes
+from volviz.custom_gl.gpu.context import Limits
 from volviz.kernels.marching.surface import clean_mesh
 from volviz.mesh import extract_isosurface, triangle_arrays
 from volviz.model.camera import Camera
@@ -110,6 +112,29 @@ def test_frame_times_agree_with_a_clock_beside_them(split: MainWindow, wait_for:
     assert "times as long" in panel.time_ratio.text()
     assert all(pane.display.status is not old for pane, old in zip(split.views.panes, statuses, strict=True))
     wait_for(lambda: is_complete(split))
+
+
+def test_the_gpu_clock_is_read_where_there_is_one_and_its_absence_is_explained(
+    split: MainWindow, wait_for: Wait, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    panel, timing = split.compare_panel, split.measurements.timing
+    handles = [pane.display.handle for pane in split.views.panes]
+    if not handles[0].gpu.limits.software:
+        pytest.skip("OpenGL runs on hardware here: its absence cannot be shown")
+    assert panel.gpu_words.isVisible()
+    assert "llvmpipe" in panel.gpu_words.text() or "software" in panel.gpu_words.text().lower()
+    # the pictures are there: nothing else asks any more whether OpenGL is software
+    monkeypatch.setattr(Limits, "software", property(lambda _limits: False))
+    found: list[tuple[FrameTimes, FrameTimes]] = []
+    timing.finished.connect(found.append)
+    panel.time_button.click()
+    wait_for(lambda: found)
+    for side in found[0]:
+        assert len(side.gpu_seconds) == len(side.seconds) == 5
+        assert all(0 < gpu <= wall for gpu, wall in zip(side.gpu_seconds, side.seconds, strict=True))
+    assert panel.sides.text("gpu", 0).endswith("ms")
+    wait_for(panel.gpu_words.isHidden)
+    assert not any(handle.on_gpu_clock for handle in handles)
 
 
 def test_meshes_are_counted_like_the_mesh_of_the_library(split: MainWindow, wait_for: Wait) -> None:

@@ -14,6 +14,7 @@ BUDGET_SECONDS = 0.03
 class FrameTiming(QObject):
     """Draws the full pictures of two views several times over and adds up what their pieces take.
 
+    Where OpenGL runs on hardware, its own clock is read beside ours.
     The picture that is shown stays; a drag or a change of the scene ends the measurement.
     """
 
@@ -25,6 +26,7 @@ class FrameTiming(QObject):
         super().__init__(parent)
         self._displays: tuple[Display, Display] | None = None
         self._seconds: tuple[list[float], list[float]] = ([], [])
+        self._gpu_seconds: tuple[list[float], list[float]] = ([], [])
         self._order: list[int] = []
         self._begun = False
         self._total = 1
@@ -43,11 +45,14 @@ class FrameTiming(QObject):
         self.cancel()
         self._displays = (first, second)
         self._seconds = ([], [])
+        self._gpu_seconds = ([], [])
         self._order = [side for turn in range(rounds) for side in ((0, 1) if turn % 2 == 0 else (1, 0))]
         self._total = len(self._order)
         self._begun = False
         for display in self._displays:
             display.pacer.hold()
+            if display.handle is not None:
+                display.handle.on_gpu_clock = not display.handle.gpu.limits.software
         self._timer.start()
 
     def cancel(self) -> None:
@@ -60,6 +65,8 @@ class FrameTiming(QObject):
         self._timer.stop()
         displays, self._displays = self._displays, None
         for display in displays or ():
+            if display.handle is not None:
+                display.handle.on_gpu_clock = False
             display.pacer.release()
             display.show_picture()
 
@@ -77,15 +84,20 @@ class FrameTiming(QObject):
             self._begun = True
         done = handle.refine(budget=BUDGET_SECONDS)
         if done and handle.status.complete:
-            self._seconds[self._order.pop(0)].append(handle.status.seconds)
+            side = self._order.pop(0)
+            self._seconds[side].append(handle.status.seconds)
+            if handle.status.gpu_seconds is not None:
+                self._gpu_seconds[side].append(handle.status.gpu_seconds)
             self._begun = False
             self.progressed.emit(1 - len(self._order) / self._total)
         if self._order:
             self._timer.start()
             return
         times = tuple(
-            FrameTimes(display.handle.technique.id, tuple(seconds))
-            for display, seconds in zip(self._displays, self._seconds, strict=True)
+            FrameTimes(display.handle.technique.id, tuple(seconds), gpu_seconds=tuple(gpu_seconds))
+            for display, seconds, gpu_seconds in zip(
+                self._displays, self._seconds, self._gpu_seconds, strict=True
+            )
         )
         self._end()
         self.finished.emit(times)

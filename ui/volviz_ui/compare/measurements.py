@@ -69,6 +69,8 @@ class Measurements(QObject):
 
     def _on_pair_completed(self) -> None:
         self.figures = None
+        limits = self._views.first.display.handle.gpu.limits
+        self._panel.show_gpu_clock(limits.renderer.split("(")[0].strip() if limits.software else "")
         if self._wanted:
             self._timer.start()
 

@@ -47,6 +47,9 @@ class ComparePanel(Panel):
             self.tr("Draw both pictures in full quality five times, in turn, without changing anything")
         )
         self.time_button.clicked.connect(self.timing_wanted)
+        self.gpu_words = quiet_label("", self)
+        self.gpu_words.setWordWrap(True)
+        self.gpu_words.hide()
         self.time_ratio = quiet_label("", self)
         self.time_ratio.setWordWrap(True)
         self.meshes = self._meshes()
@@ -64,6 +67,7 @@ class ComparePanel(Panel):
         pictures.add_wide(self.state)
         sides = Section(self.tr("Times and samples"), parent=self)
         sides.add_wide(self.sides)
+        sides.add_wide(self.gpu_words)
         sides.add_wide(self.time_ratio)
         sides.add_wide(self.time_button)
         self.mesh_section = Section(self.tr("Meshes"), parent=self)
@@ -102,6 +106,7 @@ class ComparePanel(Panel):
             [
                 ("time", tr("Frame time"), tr("Median of full pictures of this size, drawn in turn")),
                 ("spread", tr("Spread"), tr("Distance of the quartiles as a part of the median")),
+                ("gpu", tr("GPU clock"), tr("OpenGL's own time for the same pictures (GL_TIME_ELAPSED), median")),
                 ("samples", tr("Samples per ray"), tr("Mean of rays through the volume, by its box and the step")),
                 ("longest", tr("Longest ray"), tr("Samples of the ray that takes the most")),
             ],
@@ -270,10 +275,13 @@ class ComparePanel(Panel):
         if times is None:
             self.sides.set_row("time", None, None)
             self.sides.set_row("spread", None, None)
+            self.sides.set_row("gpu", None, None)
             self.time_ratio.hide()
             return
         self.sides.set_row("time", *(f"{1000 * t.median:.0f}{NARROW}ms" for t in times))
         self.sides.set_row("spread", *(f"{100 * t.spread:.0f}{NARROW}%" for t in times))
+        gpu = [t.gpu_median for t in times]
+        self.sides.set_row("gpu", *(None if t is None else f"{1000 * t:.1f}{NARROW}ms" for t in gpu))
         factor = ratio(times[1], times[0])
         self.time_ratio.setText(
             self.tr("B takes %1 times as long as A (quartiles %2 to %3).")
@@ -282,6 +290,16 @@ class ComparePanel(Panel):
             .replace("%3", f"{factor.high:.2f}")
         )
         self.time_ratio.show()
+
+    def show_gpu_clock(self, software: str) -> None:
+        """Whether OpenGL has a clock of its own here: the name of a renderer that has none, empty otherwise."""
+        self.sides.show_row("gpu", not software)
+        self.gpu_words.setVisible(bool(software))
+        self.gpu_words.setText(
+            self.tr(
+                "No GPU clock: OpenGL is computed on the processor here (%1), and its query ends before the work does."
+            ).replace("%1", software)
+        )
 
     def show_timing(self, fraction: float | None) -> None:
         """How far the measurement of times is, None when there is none."""

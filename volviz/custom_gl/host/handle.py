@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.gpu.clock import GpuClock
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.gpu.scalars import is_prepared
@@ -63,6 +65,7 @@ class _Refinement:
     chunks: int
     done: int = 0
     seconds: float = 0.0
+    clock: GpuClock | None = None
 
 
 class VolumeHandle:
@@ -84,11 +87,14 @@ class VolumeHandle:
     share : float
         Part of the time of an interactive frame that this volume may take, 0..1; less than 1 where several
         viewports are drawn together.
+    on_gpu_clock : bool
+        Whether full pictures are timed by OpenGL's own clock, too (`FrameStatus.gpu_seconds`).
     handles : SceneHandles or None
         What can be dragged in the picture, while it is shown (`show_handles`).
     """
 
     accumulates: bool = True
+    on_gpu_clock: bool = False
 
     def __init__(
         self,
@@ -372,11 +378,13 @@ class VolumeHandle:
                 return False
             # not before: while the technique waits, this target may still hold the picture that is shown
             frame.target.clear()
-            self._refinement = _Refinement(key, frame, chunks)
+            clock = GpuClock(frame.gpu) if self.on_gpu_clock else None
+            self._refinement = _Refinement(key, frame, chunks, clock=clock)
         work = self._refinement
         while work.done < work.chunks:
             chunk_begin = time.perf_counter()
-            self._runner.draw(self._shown.info, work.frame, work.done)
+            with work.clock or nullcontext():
+                self._runner.draw(self._shown.info, work.frame, work.done)
             self._gpu.gpu.gl.finish()
             work.done += 1
             now = time.perf_counter()
@@ -391,7 +399,8 @@ class VolumeHandle:
         self._picture = self._finished(key, work.frame, FULL)
         self._cost.observe(FULL, work.seconds)
         self._refinement = None
-        self._report(FrameStatus(1.0, work.seconds, True, 1.0))
+        gpu_seconds = None if work.clock is None else work.clock.seconds
+        self._report(FrameStatus(1.0, work.seconds, True, 1.0, gpu_seconds=gpu_seconds))
         return True
 
     def _tile(self) -> tuple[int, int]:

@@ -86,6 +86,8 @@ class FrameStatus:
         While the technique waits for a worker: how far that is, 0..1.
     samples : int
         Pictures of which the mean is shown; 1 until further ones have been drawn at rest.
+    gpu_seconds : float or None
+        The same time by OpenGL's own clock, where that was asked for.
     """
 
     resolution: float = 1.0
@@ -95,6 +97,7 @@ class FrameStatus:
     notice: str = ""
     waiting: float | None = None
     samples: int = 1
+    gpu_seconds: float | None = None
 
 
 class CostModel:
