@@ -75,7 +75,7 @@ def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.N
 
 def _voxels(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
     """First and last visible voxel of every row and some air around them, as indices (i, j, k)."""
-    scalars = np.where(np.isfinite(volume.array), volume.array, volume.range[0])
+    scalars = volume.finite_array
     if transfer_function.by_gradient is None:
         opacity = transfer_function.evaluate(scalars, volume.range)[..., 3]
     else:

@@ -61,7 +61,7 @@ def extract_isosurface(
     Parameters
     ----------
     volume : Volume
-        Scalars and where they lie.
+        Scalars and where they lie; what is not finite counts as the lowest value.
     isovalue : float
         In the unit of the volume. Outside its range the mesh is empty.
     method : {"lorensen", "topological", "tetrahedra"}, default: "lorensen"
@@ -97,7 +97,7 @@ def extract_isosurface(
     # filters take several times as long as the extraction
     extraction = 0.2 if filtered else 1.0
     vertices, faces, shading = marching_cubes(
-        volume.array,
+        volume.finite_array,
         isovalue,
         method=method,
         spacing=volume.spacing,

@@ -69,16 +69,10 @@ def render(
     VolvizError
         Unusable arguments, or no usable OpenGL.
     """
-    if not isinstance(volume, Volume):
-        raise InputError(
-            f"render draws a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume."
-        )
     if dtype not in ("uint8", "float32"):
         raise InputError(f'dtype of a picture is "uint8" or "float32", got {dtype!r}.')
     width, height = _checked_size(size)
     color = background_color(background)
-    if transfer_function is None:
-        transfer_function = TransferFunction.auto(volume)
     view = None if camera is None else Camera.coerce(camera)
     premultiplied = _draw(
         volume, technique, (width, height), view,

@@ -1,7 +1,7 @@
 """Splats: the voxels above an isovalue, with their gradient normals, culled and found by bricks.
 
 A voxel is selected when its value is *strictly* above the isovalue. For opaque splats only the shell
-matters: a voxel whose six neighbours are all selected is hidden and left out. Beyond the border of the
+matters: a voxel whose 26 neighbours are all selected is hidden and left out. Beyond the border of the
 volume nothing is selected, so the cut faces of an object keep their splats.
 """
 
@@ -37,13 +37,13 @@ class Splats(NamedTuple):
     normals : ndarray of shape (N, 3), float32
         Unit vectors in the world from high to low values, out of what is above the isovalue; (0, 0, 0)
         where the gradient is zero.
-    values : ndarray of shape (N,), float32
-        In data units.
+    values : ndarray of shape (N,), float64
+        In data units; `lowest` where the volume has no finite value.
     """
 
     positions: Float32Array
     normals: Float32Array
-    values: Float32Array
+    values: npt.NDArray[np.float64]
 
 
 def select_splats(
@@ -162,7 +162,7 @@ def _every_voxel(
 
 def _empty(count: int) -> Splats:
     return Splats(
-        np.empty((count, 3), np.float32), np.empty((count, 3), np.float32), np.empty(count, np.float32)
+        np.empty((count, 3), np.float32), np.empty((count, 3), np.float32), np.empty(count, np.float64)
     )
 
 
@@ -228,7 +228,7 @@ def _fill(
     matrix: npt.NDArray[np.float64],
     positions: Float32Array,
     normals: Float32Array,
-    values: Float32Array,
+    values: npt.NDArray[np.float64],
 ) -> None:
     """Write the marked voxels in order of z, y, x."""
     planes, ny, nx = marks.shape
@@ -240,7 +240,8 @@ def _fill(
                     continue
                 _write(slab, z + first, y, x, lowest, matrix, normals[n])
                 positions[n, 0], positions[n, 1], positions[n, 2] = x, y, z + first + start
-                values[n] = slab[z + first, y, x]
+                v = np.float64(slab[z + first, y, x])
+                values[n] = v if v - v == 0 else lowest
                 n += 1
 
 
@@ -276,7 +277,8 @@ def _on_lattice(
     chosen = [np.arange(min(per_axis, n)) * n // min(per_axis, n) for n in array.shape]
     zs, ys, xs = chosen
     lattice = np.asarray(array[np.ix_(zs, ys, xs)], np.float64)
-    inside = np.where(np.isfinite(lattice), lattice, lowest) > isovalue
+    lattice = np.where(np.isfinite(lattice), lattice, lowest)
+    inside = lattice > isovalue
     shown = inside
     if cull:
         surrounded = np.pad(inside, 1)

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
+
+from volviz.errors import InputError
 
 Vector = tuple[float, float, float]
 Color = tuple[float, float, float]
@@ -21,11 +26,33 @@ class Light:
         (see `default_position`).
     color : tuple of 3 floats
         Red, green, blue in 0..1.
+
+    Raises
+    ------
+    InputError
+        A position or colour that is not three usable numbers.
     """
 
     headlight: bool = True
     position: Vector | None = None
     color: Color = (1.0, 1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        if self.position is not None:
+            object.__setattr__(self, "position", _triple(self.position, "position"))
+        object.__setattr__(self, "color", _triple(self.color, "colour"))
+        if not all(0.0 <= part <= 1.0 for part in self.color):
+            raise InputError(f"the colour of a light needs parts between 0 and 1, got {self.color}.")
+
+
+def _triple(values: Sequence[float], what: str) -> Vector:
+    try:
+        x, y, z = (float(value) for value in values)
+    except (TypeError, ValueError):
+        x = y = z = np.nan
+    if not np.all(np.isfinite((x, y, z))):
+        raise InputError(f"the {what} of a light must be three finite numbers, got {values!r}.")
+    return x, y, z
 
 
 def default_position(bounds: tuple[float, float, float, float, float, float]) -> Vector:

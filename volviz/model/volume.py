@@ -34,7 +34,7 @@ class Volume:
     array : array_like of shape (Z, Y, X)
         Scalars in the unit of the data set: bool, integers or floats of any width. Kept without a copy when
         possible and exposed read-only. NaN and infinities are allowed; they count as the lowest finite value
-        wherever the volume is drawn.
+        wherever the volume is drawn, masked values as the lowest one.
     spacing : tuple of 3 floats, default: (1.0, 1.0, 1.0)
         Distance between voxel centres along (x, y, z), in world units, greater than 0.
     origin : tuple of 3 floats, default: (0.0, 0.0, 0.0)
@@ -68,6 +68,8 @@ class Volume:
         name: str = "volume",
         metadata: Mapping[str, Any] | None = None,
     ) -> None:
+        if isinstance(array, np.ma.MaskedArray):
+            array = array.filled(array.min() if array.count() else 0)
         scalars = np.asarray(array)
         if scalars.ndim != 3:
             raise InputError(
@@ -132,6 +134,17 @@ class Volume:
     def nonfinite_count(self) -> int:
         """Number of NaN and infinite values."""
         return self._finite[2]
+
+    @cached_property
+    def finite_array(self) -> npt.NDArray[Any]:
+        """The scalars as they are drawn: `array` itself, or a copy with the lowest finite value where it has none."""
+        if not self.nonfinite_count:
+            return self.array
+        scalars: npt.NDArray[Any] = np.where(
+            np.isfinite(self.array), self.array, self.array.dtype.type(self.range[0])
+        )
+        scalars.flags.writeable = False
+        return scalars
 
     @property
     def mean_spacing(self) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 from volviz.custom_gl.host.handle import VolumeHandle, handles_of
 from volviz.custom_gl.host.pacing import Pacer
-from volviz.custom_gl.host.shown import split_values
+from volviz.custom_gl.host.shown import check_kinds, check_settings, split_values
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.technique import TechniqueInfo
@@ -81,18 +81,19 @@ def add_volume(
         Unknown technique or setting, unusable value.
     """
     info = technique_info(technique)
-    if not isinstance(volume, Volume):
-        raise InputError(
-            f"add_volume shows a volviz.Volume, got {type(volume).__name__}; wrap arrays in volviz.Volume."
-        )
+    if volume is None:
+        raise InputError("there is no volume to show: give a volviz.Volume.")
+    check_kinds(volume=volume, transfer_function=transfer_function, light=light, clipping=clipping)
     # techniques with a light to be dragged show little under a light at the eye, which sees no shadow
     first_light = Light(headlight="light" not in info.handles)
     new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())
     new_clipping.crop_within(volume.dimensions)
     if settings is None:
         settings = technique_settings(info, own, classic=classic)
-    elif own:
-        raise InputError(f"give either settings or single values ({', '.join(own)}), not both.")
+    else:
+        if own:
+            raise InputError(f"give either settings or single values ({', '.join(own)}), not both.")
+        check_settings(info, settings)
     if transfer_function is None:
         transfer_function = TransferFunction.auto(volume)
     release_on_close(plotter)

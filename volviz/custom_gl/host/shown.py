@@ -16,6 +16,43 @@ from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
 
+#: What each value of the scene must be an instance of, and how to come by one.
+_KINDS: dict[str, tuple[type[Any], str]] = {
+    "volume": (Volume, "wrap an array in one, or load a file"),
+    "transfer_function": (TransferFunction, "its preset(...) and from_points(...) make one"),
+    "light": (Light, "or give light_position, light_color and headlight by themselves"),
+    "clipping": (Clipping, "or give crop and clip_planes by themselves"),
+}
+
+
+def check_kinds(**values: Any) -> None:
+    """Refuse values that are not what their names promise; None is left to the caller.
+
+    Raises
+    ------
+    InputError
+        One is something else.
+    """
+    for name, value in values.items():
+        kind, advice = _KINDS[name]
+        if value is not None and not isinstance(value, kind):
+            raise InputError(
+                f"{name} must be a volviz.{kind.__name__}, got {type(value).__name__}; {advice}."
+            )
+
+
+def check_settings(info: TechniqueInfo, settings: Any) -> None:
+    """Refuse settings of another technique.
+
+    Raises
+    ------
+    InputError
+        They are not an instance of the technique's class.
+    """
+    if not isinstance(settings, info.settings):
+        raise InputError(f"{info.id} takes {info.settings.__name__}, got {type(settings).__name__}.")
+
+
 @dataclass(frozen=True, eq=False)
 class Shown:
     """Everything that decides the picture, but for camera and size.
@@ -73,13 +110,12 @@ class Shown:
         VolvizError
             A value does not fit.
         """
+        check_kinds(volume=volume, transfer_function=transfer_function, light=light, clipping=clipping)
         new_info = info or self.info
         if values and settings is not None:
             raise InputError(f"give either settings or single values ({', '.join(values)}), not both.")
-        if settings is not None and not isinstance(settings, new_info.settings):
-            raise InputError(
-                f"{new_info.id} takes {new_info.settings.__name__}, got {type(settings).__name__}."
-            )
+        if settings is not None:
+            check_settings(new_info, settings)
         new_light, new_clipping = light or self.light, clipping or self.clipping
         own: Mapping[str, Any] = {}
         if values:

@@ -28,7 +28,7 @@ class MeshWish:
     Attributes
     ----------
     volume : Volume
-        The data; compared by identity.
+        The data; compared by identity. What is not finite counts as the lowest value.
     isovalue : float
         In data units.
     method : str
@@ -129,7 +129,7 @@ class _Job:
         wish = self.wish
         share = EXTRACTION_SHARE if wish.is_filtered else 1.0
         vertices, faces, normals = marching_cubes(
-            wish.volume.array,
+            wish.volume.finite_array,
             wish.isovalue,
             method=wish.method,
             stride=wish.stride,

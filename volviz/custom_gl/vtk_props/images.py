@@ -75,10 +75,8 @@ class PlacedImage:
 
 def _scalars(volume: Volume, stride: int, *, mirrored: bool) -> npt.NDArray[Any]:
     """The scalars in a type that all mappers take, as memory that VTK accepts; it only reads it."""
-    array = volume.array[::stride, ::stride, ::stride]
-    if array.dtype.kind == "f" and volume.nonfinite_count:
-        array = np.where(np.isfinite(array), array, array.dtype.type(volume.range[0]))
-    elif array.dtype.kind in "iu" and array.dtype.itemsize == 8:
+    array = volume.finite_array[::stride, ::stride, ::stride]
+    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
         array = array.astype(np.float64)
     array = np.ascontiguousarray(array[:, :, ::-1] if mirrored else array)
     if array.flags.writeable:

@@ -57,7 +57,7 @@ def isosurface_mesh(
     middle = np.asarray(volume.center)
     largest = max(2, min(volume.dimensions) - 1)
     vertices, faces, normals = marching_cubes(
-        volume.array, isovalue, spacing=volume.spacing, origin=tuple(np.subtract(volume.origin, middle)),
+        volume.finite_array, isovalue, spacing=volume.spacing, origin=tuple(np.subtract(volume.origin, middle)),
         direction=volume.direction, stride=min(stride, largest), cancel=cancel,
     )  # fmt: skip
     assert normals is not None

@@ -157,5 +157,5 @@ def pack(wanted: Wanted) -> Packed:
     packed = np.empty((len(splats.values), FLOATS), np.float32)
     packed[:, :3] = splats.positions
     packed[:, 3:6] = splats.normals
-    packed[:, 6] = (splats.values.astype(np.float64) - low) / (high - low if high > low else 1.0)
+    packed[:, 6] = (splats.values - low) / (high - low if high > low else 1.0)
     return packed

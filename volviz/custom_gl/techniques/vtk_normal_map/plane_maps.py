@@ -106,10 +106,11 @@ def sampled(volume: Volume, index: Float64Array) -> Float64Array:
     from scipy.ndimage import map_coordinates
 
     places = np.moveaxis(index[..., ::-1], -1, 0)
-    values = map_coordinates(
-        volume.array, places, output=np.float64, order=1, mode="nearest", prefilter=False
+    return np.asarray(
+        map_coordinates(
+            volume.finite_array, places, output=np.float64, order=1, mode="nearest", prefilter=False
+        )
     )
-    return np.asarray(np.where(np.isfinite(values), values, volume.range[0]))
 
 
 def slopes(volume: Volume, index: Float64Array, delta: float) -> Float64Array:
