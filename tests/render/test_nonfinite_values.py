@@ -9,7 +9,7 @@ import volviz
 from tests.render.scenes import blobs, camera, function, picture
 
 SIZE = (40, 32)
-TECHNIQUES = [id for id in volviz.techniques() if id != "reference"]
+TECHNIQUES = [name for name in volviz.techniques() if name != "reference"]
 
 
 def holey() -> volviz.Volume:

@@ -15,7 +15,6 @@ from volviz.model.parameters import make_settings, parameters_of
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
-
 #: What each value of the scene must be an instance of, and how to come by one.
 _KINDS: dict[str, tuple[type[Any], str]] = {
     "volume": (Volume, "wrap an array in one, or load a file"),
