@@ -95,7 +95,8 @@ class VtkPointGaussian:
         """Some of the splats, the same ones every time."""
         if self._few is None or self._few[0] is not splats:
             chosen = np.sort(np.random.default_rng(0).permutation(len(splats.values))[:count])
-            self._few = (splats, Splats(*(np.ascontiguousarray(part[chosen]) for part in splats)))
+            few = Splats(splats.positions[chosen], splats.normals[chosen], splats.values[chosen])
+            self._few = (splats, few)
         return self._few[1]
 
     def check(self) -> None:
