@@ -186,7 +186,7 @@ def _stack_geometry(job: Job, slices: list[Slice]) -> tuple[Geometry, list[Slice
     matrix = np.c_[rows[0] * spacing[1], rows[1] * spacing[0], step]
     if not is_usable(matrix):
         raise job.error("its image orientation or spacing is unusable; the headers are damaged.")
-    return Geometry.from_affine(np.c_[matrix, start]), slices
+    return job.geometry(np.c_[matrix, start]), slices
 
 
 def _step(job: Job, positions: npt.NDArray[np.float64], first: Slice) -> npt.NDArray[np.float64]:

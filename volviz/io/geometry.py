@@ -48,8 +48,10 @@ class Geometry:
             Not finite, or an axis without length.
         """
         matrix = np.asarray(affine, np.float64)[:3]
-        spacing = np.linalg.norm(matrix[:, :3], axis=0)
-        if not np.all(np.isfinite(matrix)) or spacing.min() <= 0:
+        # numbers of a damaged file may be too large to be squared
+        with np.errstate(over="ignore", invalid="ignore"):
+            spacing = np.linalg.norm(matrix[:, :3], axis=0)
+        if not np.all(np.isfinite(matrix)) or not np.all(np.isfinite(spacing)) or spacing.min() <= 0:
             raise ValueError("an axis has no length")
         return cls(
             vector(spacing), vector(matrix[:, 3]), tuple(float(v) for v in (matrix[:, :3] / spacing).flat)
@@ -66,5 +68,8 @@ def is_usable(matrix: npt.NDArray[np.float64]) -> bool:
     """Whether a 3 x 3 matrix is finite and its three axes span space."""
     if not np.all(np.isfinite(matrix)):
         return False
-    lengths = np.linalg.norm(matrix, axis=0)
-    return bool(lengths.min() > 0 and abs(np.linalg.det(matrix / lengths)) > 1e-6)
+    with np.errstate(over="ignore", invalid="ignore"):
+        lengths = np.linalg.norm(matrix, axis=0)
+    return bool(
+        np.all(np.isfinite(lengths)) and lengths.min() > 0 and abs(np.linalg.det(matrix / lengths)) > 1e-6
+    )

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from volviz.io.axes import choose, to_zyx
-from volviz.io.geometry import Geometry, is_usable
-from volviz.io.nrrd import _numbered
-from volviz.io.reader import stem
+from volviz.io.geometry import is_usable
+from volviz.io.nrrd import FILES_AT_MOST, _numbered
+from volviz.io.reader import shortened, stem
 from volviz.io.stored import Stored, check_sizes, read_stored
 
 if TYPE_CHECKING:
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 SUFFIXES = (".mha", ".mhd")
 
 HEADER_BYTES = 1 << 20
+
+#: A size beyond this is none.
+LARGEST = 2**40
 
 _TYPES = {
     "MET_CHAR": "i1", "MET_UCHAR": "u1", "MET_SHORT": "i2", "MET_USHORT": "u2", "MET_INT": "i4",
@@ -44,17 +47,17 @@ def sniff(head: bytes, _path: Path) -> bool:
 def read(job: Job) -> Volume:
     """Read one volume; of a 4D file the chosen time point alone."""
     fields, end = _header(job)
-    sizes = [int(n) for n in _numbers(job, fields, "DimSize")]
+    sizes = _sizes(job, fields)
     if not sizes or len(sizes) != _integer(job, fields, "NDims", len(sizes)):
         raise job.error("its header gives no sizes that fit its dimensions; the file is damaged.")
-    if len(sizes) < 3:
-        sizes += [1] * (3 - len(sizes))
+    rank = len(sizes)
+    sizes += [1] * (3 - rank)
     if min(sizes) < 1:
         raise job.error(f"its header gives the size {' x '.join(map(str, sizes))}; the file is damaged.")
     kind = fields.get("ElementType", "").upper().removesuffix("_ARRAY")
     if kind not in _TYPES:
         raise job.error(
-            f"values of the MetaImage type {kind or '(none)'} cannot be shown; save it as numbers."
+            f"values of the MetaImage type {shortened(kind) if kind else '(none)'} cannot be shown; save it as numbers."
         )
     channels = _integer(job, fields, "ElementNumberOfChannels", 1)
     if len(sizes) > 4 or channels < 1:
@@ -70,7 +73,7 @@ def read(job: Job) -> Volume:
         stored = stored.frame(choose(job, "T", stored.shape[0]))
         axes = axes[1:]
     array = to_zyx(read_stored(stored, job), axes, job)
-    geometry = Geometry.from_affine(_affine(job, fields, len(sizes)))
+    geometry = job.geometry(_affine(job, fields, rank))
     return job.volume(array, geometry, format="MetaImage", name=stem(job.path, SUFFIXES), length_unit="mm")
 
 
@@ -118,9 +121,12 @@ def _data_files(job: Job, fields: dict[str, str], target: str) -> tuple[Path, ..
         try:
             first, last = int(words[1]), int(words[2])
             step = int(words[3]) if len(words) > 3 else 1
-            return tuple(folder / _numbered(words[0], n) for n in range(first, last + 1, step))
-        except ValueError:
+            numbers = range(first, last + 1, step)
+            if len(numbers) > FILES_AT_MOST:
+                raise ValueError
+        except (ValueError, OverflowError):
             raise job.error("its header numbers the data files unreadably; the file is damaged.") from None
+        return tuple(folder / _numbered(words[0], n) for n in numbers)
     return (folder / target,)
 
 
@@ -153,18 +159,27 @@ def _parse(job: Job, text: str) -> list[float]:
     try:
         return [float(word) for word in text.split()]
     except ValueError:
-        raise job.error(f"its header holds {text!r} where numbers should be; the file is damaged.") from None
+        raise job.error(
+            f"its header holds {shortened(text)} where numbers should be; the file is damaged."
+        ) from None
 
 
-def _numbers(job: Job, fields: dict[str, str], name: str) -> list[float]:
-    return _parse(job, fields.get(name, ""))
+def _sizes(job: Job, fields: dict[str, str]) -> list[int]:
+    sizes = _parse(job, fields.get("DimSize", ""))
+    if not all(size.is_integer() and abs(size) < LARGEST for size in sizes):
+        raise job.error(
+            f"its header gives the size {' x '.join(f'{n:g}' for n in sizes)}; the file is damaged."
+        )
+    return [int(size) for size in sizes]
 
 
 def _integer(job: Job, fields: dict[str, str], name: str, default: int) -> int:
     try:
         return int(fields.get(name, default))
     except ValueError:
-        raise job.error(f"its header gives {fields[name]!r} for {name}; the file is damaged.") from None
+        raise job.error(
+            f"its header gives {shortened(fields[name])} for {name}; the file is damaged."
+        ) from None
 
 
 def _is_true(text: str) -> bool:

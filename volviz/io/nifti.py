@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from volviz.io.axes import choose, to_zyx
-from volviz.io.geometry import RAS_TO_LPS, Geometry, is_usable
+from volviz.io.geometry import RAS_TO_LPS, is_usable
 from volviz.io.reader import stem
 from volviz.io.scaling import rescaled
 from volviz.io.stored import Stored, check_sizes, read_stored
@@ -128,7 +128,7 @@ def read(job: Job) -> Volume:
         array = np.abs(array)
     elif code not in _COLOURS:
         array = rescaled(array, float(header["scl_slope"]), float(header["scl_inter"]))
-    geometry = Geometry.from_affine(_affine(header, job))
+    geometry = job.geometry(_affine(header, job))
     return job.volume(array, geometry, format="NIfTI", name=stem(job.path, SUFFIXES), length_unit="mm")
 
 
@@ -174,6 +174,12 @@ def affine(header: dict[str, Any]) -> npt.NDArray[np.float64] | None:
 
 def _affine(header: dict[str, Any], job: Job) -> npt.NDArray[np.float64]:
     """Index to world, LPS, millimetres."""
+    # what a damaged header says may not even be a number
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _placed(header, job)
+
+
+def _placed(header: dict[str, Any], job: Job) -> npt.NDArray[np.float64]:
     matrix = affine(header)
     if matrix is None:
         job.note("The file does not say how it lies in space; right, anterior, superior is taken.")

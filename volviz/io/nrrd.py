@@ -16,7 +16,7 @@ import numpy as np
 
 from volviz.io.axes import choose, to_zyx
 from volviz.io.geometry import RAS_TO_LPS, Geometry, is_usable, vector
-from volviz.io.reader import stem
+from volviz.io.reader import shortened, stem
 from volviz.io.stored import Encoding, Stored, check_sizes, read_stored
 
 if TYPE_CHECKING:
@@ -27,6 +27,9 @@ SUFFIXES = (".nrrd", ".nhdr")
 
 #: A header longer than this is none.
 HEADER_BYTES = 1 << 20
+
+#: Numbered data files beyond this count are a damaged header, not a volume.
+FILES_AT_MOST = 100_000
 
 _TYPES = {
     "i1": "int8, int8_t, signed char",
@@ -73,12 +76,18 @@ def read(job: Job) -> Volume:
         raise job.error(
             f"its header gives {dimension} dimensions and {len(sizes)} sizes; the file is damaged."
         )
+    if dimension < 3:
+        raise job.error(
+            f"a volume needs three axes, this file has {dimension}; open a stack of images instead of a single one."
+        )
     if kind not in _DTYPES:
         raise job.error(
-            f"values of the NRRD type {kind!r} cannot be shown; save it as integers or real numbers."
+            f"values of the NRRD type {shortened(kind)} cannot be shown; save it as integers or real numbers."
         )
     if encoding not in _ENCODINGS:
-        raise job.error(f"the NRRD encoding {encoding!r} cannot be read; save it with raw or gzip encoding.")
+        raise job.error(
+            f"the NRRD encoding {shortened(encoding)} cannot be read; save it with raw or gzip encoding."
+        )
     order = ">" if fields.get("endian", "little").lower() == "big" else "<"
     stored = _stored(
         job, fields, end, tuple(sizes[::-1]), np.dtype(order + _DTYPES[kind]), _ENCODINGS[encoding]
@@ -161,7 +170,9 @@ def _data_files(job: Job, detached: str, fields: dict[str, str]) -> tuple[Path, 
         try:
             first, last, step = (int(word) for word in words[1:4])
             numbers = range(first, last + (1 if step > 0 else -1), step)
-        except ValueError:
+            if len(numbers) > FILES_AT_MOST:
+                raise ValueError
+        except (ValueError, OverflowError):
             raise job.error("its header numbers the data files unreadably; the file is damaged.") from None
         return tuple(folder / _numbered(words[0], n) for n in numbers)
     return (folder / detached,)
@@ -217,7 +228,7 @@ def _axes(job: Job, fields: dict[str, str], sizes: list[int]) -> tuple[Geometry,
         origin = _vectors(fields.get("spaceorigin", ""))
         first = origin[0] if origin and origin[0] is not None and len(origin[0]) >= 3 else (0.0, 0.0, 0.0)
         start = np.nan_to_num(np.array(first[:3], float))
-        return Geometry.from_affine(np.c_[turn @ matrix, turn @ start]), letters, colour
+        return job.geometry(np.c_[turn @ matrix, turn @ start]), letters, colour
     spacing = _numbers(fields.get("spacings", ""), len(sizes))
     lowest = _numbers(fields.get("axismins", ""), len(sizes))
     steps = [spacing[axis] if np.isfinite(spacing[axis]) and spacing[axis] != 0 else 1.0 for axis in order]

@@ -163,6 +163,21 @@ class Job:
         text = str(self.path)
         return text if text.startswith(SAMPLE_PREFIX) else str(self.path.absolute())
 
+    def geometry(self, affine: npt.ArrayLike) -> Geometry:
+        """Where the lattice lies, from an affine matrix (index to world, LPS) of shape (3, 4) or (4, 4).
+
+        Raises
+        ------
+        LoadError
+            A number that is not finite, or an axis without length.
+        """
+        from volviz.io.geometry import Geometry
+
+        try:
+            return Geometry.from_affine(affine)
+        except ValueError:
+            raise self.error("its spacing, origin or orientation is unusable; the file is damaged.") from None
+
     def error(self, what: str, path: Path | None = None) -> LoadError:
         """A `LoadError` that names the file."""
         return LoadError(f"{(path or self.path).name}: {what}")
@@ -203,6 +218,11 @@ def stem(path: Path, suffixes: tuple[str, ...] = ()) -> str:
         if name.lower().endswith(suffix) and len(name) > len(suffix):
             name = name[: -len(suffix)]
     return name if suffixes else (Path(name).stem or name)
+
+
+def shortened(text: str, at_most: int = 40) -> str:
+    """Text of a header in quotation marks as it may stand in a sentence: without control characters, not long."""
+    return repr(text if len(text) <= at_most else text[: at_most - 3] + "...")
 
 
 def _is_integer(value: object) -> bool:

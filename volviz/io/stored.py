@@ -111,10 +111,15 @@ def check_sizes(stored: Stored, job: Job) -> None:
             there, wanted = size * 1_100_000, part + stored.offset
         if there < wanted:
             raise job.error(
-                f"the file is cut off: the header promises {part:,} bytes of values and the file "
+                f"the file is cut off: the header promises {_amount(part)} bytes of values and the file "
                 f"can hold {max(there, 0):,} at most; get it again.",
                 file,
             )
+
+
+def _amount(count: int) -> str:
+    """A number of bytes in words that stay short, however damaged the header is."""
+    return f"{count:,}" if count < 10**15 else "more than 10^15"
 
 
 def read_stored(stored: Stored, job: Job) -> npt.NDArray[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import struct
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -101,6 +102,8 @@ def _array(job: Job, series: tifffile.TiffPageSeries) -> tuple[npt.NDArray[Any],
     _check_size(job, series)
     if int(np.prod(leading, dtype=np.int64)) != len(series.pages) or page.shape != shape[len(leading) :]:
         job.report(0.1, "reading pages")
+        for number in range(len(series.pages)):
+            _page(job, series, number)
         return series.asarray(), axes
     # one page per index of the leading axes: read those of the wanted time point and channel alone
     index: list[Any] = [slice(None)] * len(leading)
@@ -114,11 +117,18 @@ def _array(job: Job, series: tifffile.TiffPageSeries) -> tuple[npt.NDArray[Any],
     array = np.empty((numbers.size, *page.shape), series.dtype)
     for number, page_number in enumerate(numbers.flat):
         job.report(number / numbers.size, "reading pages")
-        one = series.pages[int(page_number)]
-        if one is None:
-            raise job.error(f"page {page_number} of {len(series.pages)} is missing; the file is damaged.")
-        array[number] = one.asarray()
+        array[number] = _page(job, series, int(page_number)).asarray()
     return array.reshape((*numbers.shape, *page.shape)), kept
+
+
+def _page(job: Job, series: tifffile.TiffPageSeries, number: int) -> tifffile.TiffPage | tifffile.TiffFrame:
+    """One page, which must be of the size that the first one promises."""
+    page = series.pages[number]
+    if page is None:
+        raise job.error(f"page {number} of {len(series.pages)} is missing; the file is damaged.")
+    if page.shape != series.keyframe.shape:
+        raise job.error(f"page {number} has another size than the first one; the file is damaged.")
+    return page
 
 
 def _is_cut_off(file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> bool:
@@ -155,7 +165,9 @@ def _check_size(job: Job, series: tifffile.TiffPageSeries) -> None:
     page = series.keyframe
     size = job.path.stat().st_size
     plain = page.compression == 1 and page.is_contiguous
-    if series.nbytes > size * (1 if plain else 100_000) and not series.is_multifile:
+    # each piece needs an entry that says where it lies; missing ones would be gone through one by one
+    pieces = math.prod(page.chunked) > len(page.dataoffsets)
+    if pieces or (series.nbytes > size * (1 if plain else 100_000) and not series.is_multifile):
         raise job.error("the file is cut off: its header promises more pixels than it can hold.")
 
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.io.axes import choose, to_zyx
-from volviz.io.geometry import Geometry
 from volviz.io.reader import stem
 from volviz.vtk_messages import vtk_complaints
 
@@ -69,12 +68,11 @@ def read(job: Job) -> Volume:
     shaped = array.reshape(*dimensions[::-1], *((components,) if components > 1 else ()))
     scalars = to_zyx(shaped, "ZYXS" if components > 1 else "ZYX", job)
     direction = np.array([[image.GetDirectionMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])
-    matrix = direction * np.asarray(image.GetSpacing())
-    start = np.asarray(image.GetOrigin()) + matrix @ origin_index
-    try:
-        geometry = Geometry.from_affine(np.c_[matrix, start])
-    except ValueError:
-        raise job.error("its spacing or direction is unusable; the file is damaged.") from None
+    # numbers that are not finite are refused below
+    with np.errstate(over="ignore", invalid="ignore"):
+        matrix = direction * np.asarray(image.GetSpacing())
+        start = np.asarray(image.GetOrigin()) + matrix @ origin_index
+    geometry = job.geometry(np.c_[matrix, start])
     # the array may still belong to VTK, which frees it with the image
     return job.volume(np.array(scalars), geometry, format="VTK", name=stem(job.path, SUFFIXES), field=name)
 
