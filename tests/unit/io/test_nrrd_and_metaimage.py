@@ -208,13 +208,23 @@ def test_files_that_are_cut_off_are_refused_in_words(tmp_path, suffix, compresse
         ("type: block\ndimension: 3\nsizes: 4 3 2\nencoding: raw", "type 'block'"),
         (f"{BASE}encoding: hex", "encoding 'hex'"),
         ("type: short\ndimension: 4\nsizes: 4 3 2\nencoding: raw", "dimensions"),
-        ("type: short\ndimension: 2\nsizes: 4 3\nencoding: raw", "axes"),
+        ("type: short\ndimension: 2\nsizes: 4 3\nencoding: raw", "needs three axes, this file has 2"),
         ("type: short\nsizes: 4 three 2\nencoding: raw", "no readable"),
         (f"{BASE}encoding: raw\ndata file: nowhere.raw", "nowhere.raw"),
         (f"{BASE}encoding: raw\nspace directions: (1,0,0) (2,0,0) (0,0,1)\nspace: LPS", "span space"),
         (f"{BASE}encoding: raw\nspace directions: (1,0,0) (0,1,0)\nspace: LPS", "do not fit"),
         ("type: short\ndimension: 3\nsizes: 4 -3 2\nencoding: raw", "no volume has"),
         ("type: short\ndimension: 3\nsizes: 99999999 99999999 99999999\nencoding: gzip", "cut off"),
+        (
+            f"type: short\ndimension: 3\nsizes: {'9' * 99} 3 2\nencoding: raw",
+            r"promises more than 10\^15 bytes",
+        ),
+        (
+            f"{BASE}encoding: raw\ndata file: slice%d.raw 1 999999999999 1",
+            "numbers the data files unreadably",
+        ),
+        (f"type: {'nonsense ' * 99}\ndimension: 3\nsizes: 4 3 2\nencoding: raw", r"^.{1,140}$"),
+        (f"{BASE}encoding: raw\nspace directions: (1e200,0,0) (0,1,0) (0,0,1)\nspace: LPS", "span space"),
     ],
 )
 def test_unusable_nrrd_headers_are_refused_in_words(tmp_path, lines, words):
@@ -233,8 +243,20 @@ def test_unusable_nrrd_headers_are_refused_in_words(tmp_path, lines, words):
         ("ElementType = MET_UCHAR\nTransformMatrix = 1 0 0 1\nElementDataFile = LOCAL\n", "TransformMatrix"),
         ("ElementType = MET_UCHAR\nElementNumberOfChannels = many\nElementDataFile = LOCAL\n", "many"),
         ("DimSize = 0 3 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", "size"),
+        ("DimSize = nan 3 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", "size nan x 3 x 2"),
+        ("DimSize = 1e308 3 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", r"size 1e\+308 x 3 x 2"),
+        ("DimSize = 4.5 3 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", "size 4.5 x 3 x 2"),
+        ("ElementSpacing = 1e300 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", "unusable"),
+        ("ElementType = MET_UCHAR\nElementDataFile = s%d.raw 1 999999999999 1\n", "unreadably"),
+        ("ElementType = MET_UCHAR\nOffset = " + "x" * 999 + "\nElementDataFile = LOCAL\n", r"^.{1,140}$"),
     ],
 )
 def test_unusable_metaimage_headers_are_refused_in_words(tmp_path, lines, words):
     with pytest.raises(LoadError, match=words):
         load(meta(tmp_path / "v.mha", lines, bytes(24)))
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".mhd"])
+def test_a_metaimage_of_two_dimensions_is_no_volume(tmp_path, suffix):
+    with pytest.raises(LoadError, match=r"9 x 7 x 1 .* stack of images"):
+        load(itk(tmp_path / f"v{suffix}", scalars((7, 9))))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 import tifffile
@@ -139,3 +141,33 @@ def test_a_file_that_is_cut_off_is_refused_in_words(tmp_path, keep, compression)
         return
     with pytest.raises(LoadError, match=r"^v\.tif: .*(cut off|damaged|holds no image|is missing)"):
         load(path)
+
+
+def overwritten(path, page, tag, value):
+    """The file with another value of a tag whose value lies in the directory itself (4 bytes)."""
+    with tifffile.TiffFile(path) as file:
+        place = file.pages[page].tags[tag].valueoffset
+    with path.open("r+b") as stream:
+        stream.seek(place)
+        stream.write(value.to_bytes(4, "little"))
+    return path
+
+
+def test_a_page_that_claims_another_size_is_refused_before_memory_is_asked_for(tmp_path):
+    path = tmp_path / "v.tif"
+    tifffile.imwrite(path, scalars((4, 16, 16), "uint16"), photometric="minisblack")
+    overwritten(path, 2, "ImageLength", 2**31)
+    tracemalloc.start()
+    try:
+        with pytest.raises(LoadError, match="page 2 has another size"):
+            load(path)
+        assert tracemalloc.get_traced_memory()[1] < 20e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_page_in_more_pieces_than_the_file_lists_is_refused_at_once(tmp_path):
+    path = tmp_path / "v.tif"
+    tifffile.imwrite(path, scalars((16, 16), "uint8"), compression="zlib", rowsperstrip=1)
+    with pytest.raises(LoadError, match="promises more pixels"):
+        load(overwritten(path, 0, "ImageLength", 100_000))
