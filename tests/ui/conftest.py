@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from volviz.custom_gl.host.handle import VolumeHandle
 from volviz_ui.main_window import MainWindow
+from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.preferences import Preferences
 from volviz_ui.theme import Theme
 
@@ -30,6 +31,12 @@ def only_the_first_picture(request: pytest.FixtureRequest, monkeypatch: pytest.M
     """The full picture is the last one, except where what follows it at rest is looked at (``accumulates``)."""
     if request.node.get_closest_marker("accumulates") is None:
         monkeypatch.setattr(VolumeHandle, "accumulates", False)
+
+
+@pytest.fixture(autouse=True)
+def no_forms_in_advance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forms of techniques that a test does not look at are not made."""
+    monkeypatch.setattr(FormShelf, "builds_ahead", False)
 
 
 @pytest.fixture

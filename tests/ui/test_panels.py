@@ -12,9 +12,18 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QWidget
 
 from tests.ui.conftest import drag, foreground, is_complete, picture
+from volviz.custom_gl.registry import techniques
 from volviz_ui.editors.number import STEPS, NumberEditor
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import current_settings, drawing_techniques
+from volviz_ui.panels import form_shelf
+from volviz_ui.panels.settings_form import SettingsForm
+from volviz_ui.panels.technique import change_setting
+from volviz_ui.panels.technique_box import (
+    choose_technique,
+    current_settings,
+    current_technique,
+    drawing_techniques,
+)
 
 Wait = Callable[..., None]
 
@@ -188,7 +197,8 @@ def test_groups_fold_and_stay_folded_when_the_technique_changes(window: MainWind
     section = form.sections["Sampling"]
     section.header.click()
     assert not section.content.isVisible()
-    window.technique_panel._rebuild()
+    choose_technique(window.store, "slicing")
+    assert window.technique_panel.form is not form
     assert not window.technique_panel.form.sections["Sampling"].header.isChecked()
 
 
@@ -229,3 +239,46 @@ def test_a_technique_about_light_starts_with_a_placed_light(window: MainWindow) 
     window.store.update(lambda scene: replace(scene, light=touched))
     choose_technique(window.store, "half_angle")
     assert window.store.scene.light == touched
+
+
+def test_a_technique_chosen_again_finds_its_form_with_present_values_and_folds(
+    window: MainWindow, wait_for: Wait, other_file: str
+) -> None:
+    panel = window.technique_panel
+    first = panel.form
+    first.sections["Sampling"].set_open(False)
+    choose_technique(window.store, "isosurface")
+    second = panel.form
+    assert second is not first
+    assert first.isHidden()
+    choose_technique(window.store, "raycast")
+    assert panel.form is first
+    assert first.isVisible()
+    first.sections["Sampling"].set_open(True)
+    # changed elsewhere meanwhile
+    step = next(p for p in current_technique(window.store.scene).parameters if p.name == "step")
+    choose_technique(window.store, "isosurface")
+    choose_technique(window.store, "raycast")
+    change_setting(window.store, step, 1.25)
+    assert editor(window, "step").control.value == 1.25
+    # another volume: only forms that name its range are made anew
+    window.open(other_file)
+    wait_for(lambda: window.documents.volume.dimensions[0] == 24)
+    wait_for(lambda: is_complete(window))
+    assert panel.form is first
+    choose_technique(window.store, "isosurface")
+    assert panel.form is not second
+    assert panel.form.sections["Sampling"].header.isChecked()
+
+
+def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
+    window: MainWindow, wait_for: Wait, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(form_shelf, "REST_MS", 0)
+    monkeypatch.setattr(form_shelf, "APART_MS", 0)
+    monkeypatch.setattr(form_shelf.FormShelf, "builds_ahead", True)
+    panel = window.technique_panel
+    choose_technique(window.store, "slicing")
+    wait_for(lambda: len(panel.findChildren(SettingsForm)) == len(techniques()))
+    assert [form for form in panel.findChildren(SettingsForm) if form.isVisible()] == [panel.form]
+    assert panel.form.info.id == "slicing"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from PySide6.QtCore import QPointF, QTimer, Signal
@@ -10,6 +11,7 @@ from PySide6.QtGui import QImage, QPainter, QPaintEvent, QPalette, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from volviz.errors import VolvizError
+from volviz.model.camera import Camera
 from volviz.model.scene import Color, Scene, Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -148,7 +150,9 @@ class ViewArea(QWidget):
         count = len(scene.views)
         while len(self.panes) > count:
             pane = self.panes.pop()
-            # a drag that ends with its view would leave the others waiting for its end
+            # a drag that ends with its view must not leave others waiting for its end, nor the scene without its camera
+            if pane.viewport.is_moving:
+                QTimer.singleShot(0, self, partial(self._commit_camera, pane.viewport.view_camera))
             for _ in range(pane.open_gestures):
                 self.end_gesture()
             pane.remove()
@@ -159,6 +163,11 @@ class ViewArea(QWidget):
                 pane.display.show_volume(self._documents.volume)
         self._show_active(scene)
         return new
+
+    def _commit_camera(self, camera: Camera) -> None:
+        if not self._closed and self._documents.is_ready_for(self._store.scene):
+            self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
+            self._store.end_gesture()
 
     # ------------------------------------------------------------------ where it lies
 

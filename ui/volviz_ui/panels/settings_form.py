@@ -53,12 +53,22 @@ class SettingsForm(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(0, 0, 0, 0)
         self._column.setSpacing(4)
-        for parameter in info.parameters:
-            self._add(in_data_units(parameter, volume), is_open)
+        self._parameters = parameters_for(info, volume)
+        for parameter in self._parameters:
+            self._add(parameter, is_open)
         machinery = self.sections.get(self._machinery())
         if machinery is not None:
             self._column.removeWidget(machinery)
             self._column.addWidget(machinery)
+
+    def fits(self, volume: Volume | None) -> bool:
+        """Whether a form for that volume would have the same ranges and units."""
+        return parameters_for(self.info, volume) == self._parameters
+
+    def fold(self, is_open: Callable[[str], bool]) -> None:
+        """Fold and unfold the groups as another form has left them."""
+        for group, section in self.sections.items():
+            section.set_open(is_open(group))
 
     def show_settings(self, settings: Any) -> None:
         """Show all values, and which settings act at present."""
@@ -114,6 +124,11 @@ def acts(parameter: Parameter, settings: Any) -> bool:
         return True
     name, values = parameter.enabled_by
     return getattr(settings, name, None) in values
+
+
+def parameters_for(info: TechniqueInfo, volume: Volume | None) -> tuple[Parameter, ...]:
+    """The settings of a technique with range and unit of a volume."""
+    return tuple(in_data_units(parameter, volume) for parameter in info.parameters)
 
 
 def in_data_units(parameter: Parameter, volume: Volume | None) -> Parameter:

@@ -6,13 +6,16 @@ import dataclasses
 from typing import Any
 
 from PySide6.QtCore import QCoreApplication, QEvent, Signal
+from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
+from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.parameters import Parameter
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
+from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.panels.light import LightSection
 from volviz_ui.panels.panel import Panel, quiet_label, small_button
 from volviz_ui.panels.settings_form import SettingsForm
@@ -34,6 +37,7 @@ class TechniquePanel(Panel):
         self._folded: set[str] = set()
         self._dragging = False
         self.form: SettingsForm | None = None
+        self.shelf = FormShelf(self._made_form, self)
         self.box = TechniqueBox(store, self)
         self.summary: QLabel = quiet_label()
         self.summary.setWordWrap(True)
@@ -67,12 +71,16 @@ class TechniquePanel(Panel):
         """Take range and unit from another volume."""
         if volume is not self._volume:
             self._volume = volume
-            self._rebuild()
+            if self.form is not None and not self.form.fits(volume):
+                self.column.removeWidget(self.form)
+                self.form = None
+            self.shelf.set_volume(volume)
+            self._show_form()
         self.light.set_volume(volume)
 
     def show_technique(self, _technique: str) -> None:
         """Show the settings of another technique."""
-        self._rebuild()
+        self._show_form()
 
     def show_settings(self, settings: Any) -> None:
         """Show the values of the settings."""
@@ -80,27 +88,48 @@ class TechniquePanel(Panel):
         if self.form is not None and self.form.info is info:
             self.form.show_settings(settings)
 
-    def _rebuild(self) -> None:
-        info = current_technique(self._store.scene)
-        self.summary.setText(info.summary)
-        old = self.form
-        form = SettingsForm(info, lambda group: group not in self._folded, self._volume, self.body)
+    def _made_form(self, info: TechniqueInfo, volume: Volume | None) -> SettingsForm:
+        form = SettingsForm(info, self._is_open, volume, self.body)
+        form.hide()
         form.setting_changed.connect(self._on_setting_changed)
         form.gesture_started.connect(self._on_gesture_started)
         form.gesture_finished.connect(self._on_gesture_finished)
         form.section_folded.connect(self._on_folded)
+        return form
+
+    def _is_open(self, group: str) -> bool:
+        return group not in self._folded
+
+    def _show_form(self) -> None:
+        info = current_technique(self._store.scene)
+        self.summary.setText(info.summary)
+        old, form = self.form, self.shelf.form(info)
+        form.fold(self._is_open)
         form.show_settings(current_settings(self._store.scene))
         if self._volume is not None:
             form.show_automatic(automatic_values(self._volume))
-        self.column.insertWidget(2, form)
-        self.form = form
-        if old is not None:
-            self.column.removeWidget(old)
-            old.hide()
-            old.deleteLater()
+        if form is not old:
+            if old is not None:
+                self.column.removeWidget(old)
+                old.hide()
+            self.column.insertWidget(2, form)
+            form.show()
+            self.form = form
         # at once: painted before the layout has settled, the new form would be seen squeezed for a moment
         QCoreApplication.sendPostedEvents(self.body, QEvent.Type.LayoutRequest.value)
         self.updateGeometry()
+        if self.isVisible():
+            self.shelf.rest()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Somebody looks: further forms are made in quiet times."""
+        super().showEvent(event)
+        self.shelf.rest()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Nobody looks."""
+        super().hideEvent(event)
+        self.shelf.stop()
 
     def _on_setting_changed(self, name: str, value: Any) -> None:
         info = current_technique(self._store.scene)
