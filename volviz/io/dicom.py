@@ -47,7 +47,9 @@ def read(job: Job) -> Volume:
         own = next((s for s in slices if s.path == job.path), None)
         if own is None:
             raise job.error("this DICOM file holds no image that can be read; choose another one.")
-        slices = [own] if own.count > 1 else [s for s in slices if s.series == own.series]
+        # a file of many frames, or of another kind than the one asked for, does not belong into its stack
+        alike = [s for s in slices if (s.series, s.count, _kind(s)) == (own.series, 1, _kind(own))]
+        slices = [own] if own.count > 1 else alike
         if len(slices) > 1:
             job.note(
                 f"The file is one of {len(slices)} slices of a series in its folder; all of them are shown."
@@ -72,10 +74,16 @@ def read(job: Job) -> Volume:
 
 
 def _scan(job: Job) -> list[Slice]:
-    """Headers of all slices around the path."""
+    """Headers of all slices around the path; those of files that are cut off are left out."""
     folder = job.path if job.path.is_dir() else job.path.parent
+    own: Slice | None = None
     if job.path.is_file():
-        own = _header(job, job.path, strict=True)
+        with job.path.open("rb") as stream:
+            if stream.read(2) == b"\x1f\x8b":
+                raise job.error("this DICOM file is packed by gzip; unpack it first.")
+        own = read_header(job.path)
+        if own is not None and own.cut_off:
+            raise job.error("the file is cut off: its pixel data is incomplete; get it again.")
         if own is None or own.count > 1:
             return [own] if own else []
         files = [p for p in dicom_files(folder) if p.parent == folder]
@@ -84,22 +92,14 @@ def _scan(job: Job) -> list[Slice]:
     found = []
     for number, path in enumerate(files):
         job.report(0.3 * number / len(files), "reading headers")
-        header = _header(job, path, strict=False)
-        if header is not None:
+        header = read_header(path)
+        if header is None:
+            continue
+        if not header.cut_off:
             found.append(header)
+        elif own is None or header.series == own.series:
+            job.note(f"{path.name} is cut off and was left out.")
     return found
-
-
-def _header(job: Job, path: Path, *, strict: bool) -> Slice | None:
-    try:
-        return read_header(path)
-    except EOFError:
-        if strict or job.path.is_file():
-            raise job.error(
-                "the file is cut off: its pixel data is incomplete; get it again.", path
-            ) from None
-        job.note(f"{path.name} is cut off and was left out.")
-        return None
 
 
 def _series(job: Job, slices: list[Slice]) -> list[Slice]:
@@ -130,22 +130,20 @@ def _same_kind(job: Job, slices: list[Slice]) -> list[Slice]:
     """The slices that fit together in size, type and orientation; scout images are left out."""
     groups: dict[Any, list[Slice]] = defaultdict(list)
     for item in slices:
-        orientation = None if item.orientation is None else tuple(round(v, 3) for v in item.orientation)
-        kind = (
-            item.rows,
-            item.columns,
-            item.samples,
-            item.bits,
-            item.signed,
-            item.pixel_spacing,
-            orientation,
-        )
-        groups[kind].append(item)
+        groups[_kind(item)].append(item)
     largest = max(groups.values(), key=len)
     if len(groups) > 1:
         left = len(slices) - len(largest)
         job.note(f"{left} slices of another size or orientation (scout images, say) were left out.")
     return largest
+
+
+def _kind(item: Slice) -> tuple[Any, ...]:
+    """What slices of one volume have in common."""
+    orientation = None if item.orientation is None else tuple(round(v, 3) for v in item.orientation)
+    return (
+        item.rows, item.columns, item.samples, item.bits, item.signed, item.pixel_spacing, orientation,
+    )  # fmt: skip
 
 
 def _one_time_point(job: Job, slices: list[Slice]) -> list[Slice]:

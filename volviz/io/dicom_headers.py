@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +25,7 @@ FOLDERS_DEEP = 6
 _TAGS = [
     "SeriesInstanceUID", "Modality", "InstanceNumber", "AcquisitionNumber", "TemporalPositionIdentifier",
     "EchoNumbers", "Rows", "Columns", "NumberOfFrames", "SamplesPerPixel", "BitsAllocated",
-    "PixelRepresentation",
+    "PixelRepresentation", "PhotometricInterpretation",
     "ImagePositionPatient", "ImageOrientationPatient", "PixelSpacing", "ImagerPixelSpacing", "SliceThickness",
     "SpacingBetweenSlices", "RescaleSlope", "RescaleIntercept", "RescaleType", "Units",
     "SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence",
@@ -52,6 +52,8 @@ class Slice:
         Rescaling of the stored values.
     frames : tuple of positions
         Of a multi-frame file: positions of the frames, in their order; empty when not given.
+    cut_off : bool
+        The file ends before its pixels do.
     """
 
     path: Path
@@ -73,6 +75,7 @@ class Slice:
     intercept: float
     unit: str
     frames: tuple[Vector, ...] = ()
+    cut_off: bool = False
 
 
 def looks_like_dicom(head: bytes) -> bool:
@@ -111,13 +114,7 @@ def dicom_files(folder: Path, at_most: int = FILES_AT_MOST) -> Iterator[Path]:
 
 
 def read_header(path: Path) -> Slice | None:
-    """The header of one file, or None when it is no image or is damaged.
-
-    Raises
-    ------
-    EOFError
-        The file ends before its pixel data does.
-    """
+    """The header of one file, or None when it is no image or is damaged."""
     import pydicom
     from pydicom.config import disable_value_validation
 
@@ -127,6 +124,7 @@ def read_header(path: Path) -> Slice | None:
             header = pydicom.dcmread(stream, stop_before_pixels=True, specific_tags=list(_TAGS), force=True)
             syntax = getattr(header.file_meta, "TransferSyntaxUID", None)
             compressed = bool(syntax is not None and syntax.is_compressed)
+            deflated = bool(syntax is not None and syntax.is_deflated)
             found = _slice(path, header, compressed=compressed)
         except OSError:
             raise
@@ -134,12 +132,17 @@ def read_header(path: Path) -> Slice | None:
             return None
         # pydicom stops at the tag of the pixel data: 2 + 2 bytes of tag, then VR and length, or the length
         # alone
-        if not compressed and found is not None:
-            start = stream.tell() + 8
-            wanted = found.rows * found.columns * found.samples * found.count * found.bits // 8
-            if path.stat().st_size - start < wanted:
-                raise EOFError
+        if not compressed and not deflated and found is not None:
+            there = path.stat().st_size - stream.tell() - 8
+            if there < _bytes_of_pixels(found, str(header.get("PhotometricInterpretation", ""))):
+                return replace(found, cut_off=True)
     return found
+
+
+def _bytes_of_pixels(item: Slice, interpretation: str) -> int:
+    """Bytes of uncompressed pixels. In YBR_FULL_422 two pixels share their colour (DICOM PS3.3, C.7.6.3.1.2)."""
+    samples = 2 if interpretation == "YBR_FULL_422" else item.samples
+    return item.rows * item.columns * samples * item.count * item.bits // 8
 
 
 def _slice(path: Path, header: Any, *, compressed: bool) -> Slice | None:

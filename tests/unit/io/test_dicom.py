@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from tests.unit.io.writers import dicom_slice, rotation, scalars
+from tests.unit.io.writers import dicom_slice, gzipped, rotation, scalars
 from volviz.errors import InputError, LoadError
 from volviz.io import info, load
 
@@ -236,6 +236,47 @@ def test_a_slice_that_is_cut_off_is_left_out_of_a_folder_and_refused_as_a_file(t
     assert "s005.dcm is cut off" in volume.metadata["notes"][0]
     with pytest.raises(LoadError, match=r"^s005\.dcm: the file is cut off"):
         load(last)
+
+
+def test_a_file_of_another_series_that_is_cut_off_is_no_matter(tmp_path):
+    folder = series(tmp_path / "d")
+    other = dicom_slice(folder / "a.dcm", STACK[0], (0, 0, 0), SeriesInstanceUID="1.2.3.9")
+    other.write_bytes(other.read_bytes()[:-20])
+    volume = load(folder / "s002.dcm")
+    assert volume.dimensions == (7, 5, 6)
+    assert not any("a.dcm" in note for note in volume.metadata["notes"])
+
+
+def test_a_file_opens_the_slices_of_its_own_kind_even_when_others_are_more(tmp_path):
+    folder = series(tmp_path / "d")
+    series(folder, np.zeros((9, 4, 4), np.int16), prefix="scout")
+    dicom_slice(folder / "frames.dcm", STACK[:2], (0, 0, 0), NumberOfFrames=2)
+    assert load(folder / "s002.dcm").dimensions == (7, 5, 6)
+    assert load(folder / "scout003.dcm").dimensions == (4, 4, 9)
+
+
+def test_pixels_that_share_their_colours_are_no_file_that_is_cut_off(tmp_path):
+    folder = tmp_path / "d"
+    folder.mkdir()
+    rng = np.random.default_rng(3)
+    for n in range(3):
+        # two pixels: Y Y Cb Cr; without colour, brightness is Y
+        pixels = np.full((4, 8, 2), 128, np.uint8)
+        pixels.reshape(-1, 4)[:, :2] = n * 40 + rng.integers(0, 9, (16, 2))
+        tags = {"SamplesPerPixel": 3, "PhotometricInterpretation": "YBR_FULL_422", "PlanarConfiguration": 0}
+        dicom_slice(
+            folder / f"{n}.dcm", pixels[..., 0], (0, 0, n), PixelData=pixels.tobytes(), Modality="US",
+            RescaleSlope=None, RescaleIntercept=None, RescaleType=None, **tags,
+        )  # fmt: skip
+    volume = load(folder)
+    assert volume.dimensions == (8, 4, 3)
+    np.testing.assert_allclose(volume.array.mean(axis=(1, 2)), [4, 44, 84], atol=1.5)
+
+
+def test_a_packed_dicom_file_is_refused_in_words(tmp_path):
+    path = gzipped(dicom_slice(tmp_path / "v.dcm", STACK[0], (0, 0, 0)))
+    with pytest.raises(LoadError, match=r"packed by gzip; unpack it"):
+        load(path)
 
 
 def test_folders_without_dicom_are_refused_in_words(tmp_path):
