@@ -137,7 +137,7 @@ def test_a_report_that_cannot_be_made_is_told_in_one_sentence(
 def test_curves_leave_out_what_logarithms_cannot_show() -> None:
     report = json.loads(
         '{"convergence": [{"name": "a", "distances": [1, 0.5], "errors": [0.0, 0.25], "slope": null, '
-        '"fitted": [null, null]}]}'
+        '"fitted": [null, null], "finest": 0.0, "unit": "levels of 255"}]}'
     )
     (curve,) = curves_of(report)
     assert curve.points == [(0.5, 0.25)]

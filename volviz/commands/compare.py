@@ -67,7 +67,9 @@ def add_commands(commands: Any) -> None:
         "--frames", type=int, default=7, metavar="N", help="measured frames of each side, 0 = none"
     )
     parser.add_argument(
-        "--convergence", action="store_true", help="also errors over the step, with fitted slopes"
+        "--convergence",
+        action="store_true",
+        help="also errors over step, splats or cells, with fitted slopes",
     )
     parser.add_argument("--unmatched", action="store_true", help="leave each technique its own defaults")
     parser.add_argument(
@@ -266,6 +268,7 @@ def summary(comparison: Comparison) -> str:
                 f"{side.name}: {1000 * side.times.median:.1f} ms a frame ({1000 * low:.1f} to {1000 * high:.1f})"
             )
     lines += [f"{c.name}: order of convergence {c.slope:.2f}" for c in comparison.convergence]
+    lines += comparison.without_curve
     return "\n".join(lines)
 
 

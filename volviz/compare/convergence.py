@@ -1,9 +1,9 @@
-"""How quickly pictures converge: error against a converged picture over step, or over bisections.
+"""How quickly results converge: error against a converged one over step, bisections, splats or cells of a mesh.
 
 Pictures are compared as 32-bit floats, without early termination and without jitter, so that only the discretisation
-is seen. An order of convergence is the slope of a straight line through the points in a log-log plot (least squares):
-2 for the midpoint rule on continuous transfer functions, 1 where samples lie at the ends of their segments or the
-function jumps (Etiene et al. 2014).
+is seen; meshes by their distance. An order of convergence is the slope of a straight line through the points in a
+log-log plot (least squares): 2 for the midpoint rule on continuous transfer functions, 1 where samples lie at the ends
+of their segments or the function jumps (Etiene et al. 2014).
 """
 
 from __future__ import annotations
@@ -16,28 +16,32 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.compare.convergence_studies import (
+    STRIDE_CELLS,
+    Study,
+    fitted_line,
+    splat_distance,
+    study,
+    why_not,
+)
+from volviz.compare.meshes import side_mesh
 from volviz.compare.samples import ray_samples
+from volviz.compare.shadow_integral import has_shadow_integral, shadow_integral
 from volviz.compare.stage import Stage, View
+from volviz.compare.surface_distance import surface_distance
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import InputError
+from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.volume import Volume
 
-#: Steps that are tried, in voxels of the smallest spacing, and the one of the converged picture.
-STEPS = (2.0, 1.4, 1.0, 0.7, 0.5, 0.35)
-REFERENCE_STEP = 0.05
-#: Bisections that are tried, and those of the converged picture.
-BISECTIONS = (0, 1, 2, 3, 4, 5)
-REFERENCE_BISECTIONS = 14
-#: Techniques whose pictures are compared with the integral along the ray to which our ray caster converges. VTK's on
-#: the processor has no limit of its own: its numbers of 15 bits lose more with every shorter step.
-ONE_INTEGRAL = ("raycast", "two_pass_raycast", "slicing", "vtk_fixed_point")
-#: These are compared with their own picture at the finest step: VTK's on the graphics card cannot be kept from ending
-#: rays early, so that its limit is another one, and its isosurface is lit in its own way.
-OWN_LIMIT = ("vtk_gpu", "vtk_isosurface")
-#: Largest picture that is drawn for it.
-MOST_PIXELS = 320 * 240
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
 ROUNDING = 2e-3
+#: Points of each mesh from which distances are taken.
+MESH_SAMPLES = 100_000
+#: Pixels of the picture whose distance from the integral with shadow rays is told: every ray needs many of them.
+INTEGRAL_PIXELS = 80 * 60
+LEVELS, VOXELS = "levels of 255", "voxels"
 
 
 @dataclass(frozen=True)
@@ -48,24 +52,34 @@ class Convergence:
     ----------
     name, technique : str
         Side of the comparison, and id of its technique.
-    parameter : {"step", "bisections"}
+    parameter : {"step", "bisections", "splats_per_axis", "stride"}
         What is varied.
     values : tuple of floats
-        Its values, coarsest first.
+        Its values, coarsest first; those whose mesh is empty are left out.
     distances : tuple of floats
-        What the errors are plotted over, in voxels of the smallest spacing: distance of the samples, or for
-        bisections the length within which the surface is known.
+        What the errors are plotted over, in voxels of the smallest spacing; see `axis`.
     errors, max_errors : tuple of floats
-        Root of the mean squared difference, and largest difference, in levels of 0..255.
+        Of pictures: root of the mean squared difference, and largest difference, in levels of 0..255. Of meshes: mean
+        and largest distance in voxels of the smallest spacing.
     slope : float
         Fitted order of convergence; NaN with fewer than two errors above rounding.
     fitted : tuple of 2 floats
-        Factor c and exponent p of the fitted line c * distance^p.
+        Factor c and exponent p of the fitted error c * distance^p.
     reference : str
-        Which picture was taken as converged.
+        What was taken as converged, in words.
     offset : float or None
-        How far that picture is from the one to which our ray caster converges, in levels (RMS); None where it
-        is that picture, or where our ray caster shows something else.
+        How far the converged picture is from that of another, better known model, in levels (RMS); None where it is
+        that one, or where there is none.
+    offset_from : str
+        That model in words; empty without an offset.
+    axis : str
+        What the distances are, in words.
+    finest : float
+        Distance of the converged picture, where it counts: errors are then c * (distance^p - finest^p).
+    unit : {"levels of 255", "voxels"}
+        Of the errors.
+    size : tuple of 2 ints
+        Pixels of the pictures that were compared; (0, 0) for meshes.
     """
 
     name: str
@@ -79,41 +93,36 @@ class Convergence:
     fitted: tuple[float, float]
     reference: str
     offset: float | None = None
+    offset_from: str = ""
+    axis: str = "distance of samples"
+    finest: float = 0.0
+    unit: str = LEVELS
+    size: tuple[int, int] = (0, 0)
 
-
-def fitted_line(distances: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:
-    """Factor c and exponent p of c * distance^p through the points, least squares of the logarithms.
-
-    Points at or below `ROUNDING` are left out; (NaN, NaN) with fewer than two others.
-    """
-    points = [(math.log(d), math.log(e)) for d, e in zip(distances, errors, strict=True) if e > ROUNDING]
-    if len(points) < 2:
-        return math.nan, math.nan
-    x, y = np.array(points).T
-    slope, offset = np.polyfit(x, y, 1)
-    return math.exp(float(offset)), float(slope)
+    def expected(self, distance: float) -> float:
+        """The fitted error at a distance in voxels; NaN when nothing was fitted."""
+        factor, power = self.fitted
+        return float(factor * (distance**power - (self.finest**power if self.finest > 0 else 0.0)))
 
 
 class ConvergenceRun:
-    """Draws one technique at several steps and compares with the converged picture.
+    """Draws one technique coarser and finer and compares with what counts as converged.
 
     Parameters
     ----------
     view : View
-        What is shown; pictures larger than 320 x 240 pixels are made smaller in proportion.
+        What is shown; pictures larger than the study allows are made smaller in proportion.
     name, technique : str
         Name for the result, and id of the technique.
     settings : mapping, optional
         Settings that differ from the defaults.
-    values : sequence of floats, optional
-        Steps, or bisections for a technique that has them.
-    reference_value : float, optional
-        The value of the converged picture.
+    how : Study, optional
+        What is varied; by default what `volviz.compare.convergence_studies` says of the technique.
 
     Raises
     ------
     InputError
-        The technique has neither steps nor bisections.
+        The technique has nothing that its pictures converge with.
     """
 
     def __init__(
@@ -122,103 +131,168 @@ class ConvergenceRun:
         name: str,
         technique: str,
         settings: Mapping[str, Any] | None = None,
-        values: Sequence[float] | None = None,
-        reference_value: float | None = None,
+        how: Study | None = None,
     ) -> None:
         self._info = technique_info(technique)
-        self._parameter = converging_parameter(self._info)
-        if self._parameter is None:
-            raise InputError(
-                f"{technique} has neither a step nor bisections that its picture converges with."
-            )
-        self._view = smaller(view)
+        chosen = how or study(self._info, view.volume)
+        if chosen is None:
+            raise InputError(why_not(self._info))
+        self._study = chosen
+        self._view = smaller(view, chosen.most_pixels)
         self._name = name
-        self._settings = dict(settings or {}) | _exact(self._info)
-        stepped = self._parameter == "step"
-        self._values = tuple(values or (STEPS if stepped else BISECTIONS))
-        self._best = reference_value or (REFERENCE_STEP if stepped else REFERENCE_BISECTIONS)
+        # a number of slices would leave the step without effect
+        given = {key: value for key, value in (settings or {}).items() if key != "slices"}
+        self._settings = given | _exact(self._info)
         self.result: Convergence | None = None
 
     def steps(self) -> Generator[float, None, None]:
-        """Draw; gives the finished fraction, 0..1, after every picture. `result` stands at the end."""
-        settings = {key: value for key, value in self._settings.items() if key != "slices"}
-        total = len(self._values) + 1
-        truth, words = self._converged(settings)
-        offset = self._offset(truth)
+        """Work; gives the finished fraction, 0..1, after every picture or mesh. `result` stands at the end."""
+        return self._meshes() if self._study.parameter == "stride" else self._pictures()
+
+    # ------------------------------------------------------------------------------------ pictures
+
+    def _pictures(self) -> Generator[float, None, None]:
+        how, total = self._study, len(self._study.values) + 1
+        truth, words = self._converged()
+        offset, model = self._offset(truth)
         yield 1 / total
         distances, errors, largest = [], [], []
-        with Stage(self._view, self._info.id, settings | {self._parameter: self._values[0]}) as stage:
-            for done, value in enumerate(self._values, 2):
-                stage.update(**{str(self._parameter): value})
+        coarsest = self._settings | {how.parameter: self._as_setting(how.values[0])}
+        with Stage(self._view, self._info.id, coarsest) as stage:
+            for done, value in enumerate(how.values, 2):
+                stage.update(**{how.parameter: self._as_setting(value)})
                 difference = 255.0 * np.abs(stage.picture("float32").astype(np.float64) - truth)
                 distances.append(self._distance(stage.settings))
                 errors.append(float(np.sqrt(np.mean(difference**2))))
                 largest.append(float(difference.max()))
                 yield done / total
-        factor, slope = fitted_line(distances, errors)
-        self.result = Convergence(
-            self._name, self._info.id, str(self._parameter), tuple(float(v) for v in self._values),
-            tuple(distances), tuple(errors), tuple(largest), slope, (factor, slope), words, offset,
-        )  # fmt: skip
+        self._finish(how.values, distances, errors, largest, words, ROUNDING, offset, model)
 
-    def _converged(self, settings: Mapping[str, Any]) -> tuple[npt.NDArray[np.float64], str]:
-        technique, given = self._info.id, dict(settings)
-        if technique in ONE_INTEGRAL:
+    def _converged(self) -> tuple[npt.NDArray[np.float64], str]:
+        technique, given = self._info.id, dict(self._settings)
+        if not self._study.own:
             # slices are limited in number; the integral is the same
             technique, given = "raycast", self._as_raycast(given)
-        given[str(self._parameter)] = self._best
-        return self._picture(technique, given), f"{technique} with {self._parameter} = {self._best:g}"
+        best = self._as_setting(self._study.best)
+        given[self._study.parameter] = best
+        if self._study.parameter == "splats_per_axis":
+            words = f"{technique} with a splat at every voxel"
+        else:
+            words = f"{technique} with {self._study.parameter} = {best:g}"
+        return self._picture(self._view, technique, given), words
 
-    def _offset(self, truth: npt.NDArray[np.float64]) -> float | None:
-        """Distance of VTK's limit from ours."""
-        if "raycast" not in self._info.counterpart_of or self._info.id not in OWN_LIMIT:
-            return None
-        given = self._as_raycast(self._settings) | {"step": self._best}
-        difference = 255.0 * (truth - self._picture("raycast", given))
-        return float(np.sqrt(np.mean(difference**2)))
+    def _offset(self, truth: npt.NDArray[np.float64]) -> tuple[float | None, str]:
+        """Distance of a technique's own limit from what it stands for, and what that is in words."""
+        best = self._study.best
+        if self._info.id == "half_angle":
+            view = smaller(self._view, INTEGRAL_PIXELS)
+            with Stage(view, self._info.id, self._settings | {"step": best}) as stage:
+                if stage.notice or not has_shadow_integral(view, stage.settings):
+                    return None, ""
+                drawn = stage.picture("float32").astype(np.float64)
+                exact = shadow_integral(view, stage.settings)
+            return _rms(drawn - exact), "the integral with a shadow ray from every sample"
+        if "raycast" in self._info.counterpart_of and self._study.own and self._study.parameter == "step":
+            given = self._as_raycast(self._settings) | {"step": best}
+            return _rms(truth - self._picture(self._view, "raycast", given)), f"raycast with step = {best:g}"
+        return None, ""
 
     def _as_raycast(self, settings: Mapping[str, Any]) -> dict[str, Any]:
         info = technique_info("raycast")
         known = {p.name for p in info.parameters}
         return {k: v for k, v in settings.items() if k in known} | {"first_sample": 0.5} | _exact(info)
 
-    def _picture(self, technique: str, settings: Mapping[str, Any]) -> npt.NDArray[np.float64]:
-        with Stage(self._view, technique, settings) as stage:
+    def _picture(self, view: View, technique: str, settings: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+        with Stage(view, technique, settings) as stage:
             return np.asarray(stage.picture("float32"), np.float64)
+
+    def _as_setting(self, value: float | None) -> Any:
+        whole = value is not None and self._study.parameter != "step"
+        return int(value) if whole and value is not None else value
 
     def _distance(self, settings: Any) -> float:
         """What the error is plotted over, in voxels."""
-        if self._parameter == "bisections":
+        view = self._view
+        if self._study.parameter == "bisections":
             return float(settings.step) / 2.0 ** int(settings.bisections)
+        if self._study.parameter == "splats_per_axis":
+            return splat_distance(view.volume, settings.splats_per_axis)
         samples = ray_samples(
-            self._view.volume,
-            self._view.camera,
-            self._view.size,
-            self._info.id,
-            settings,
-            self._view.clipping,
-        )
-        if samples is None:
-            return float(settings.step)
-        return samples.distance / min(self._view.volume.spacing)
+            view.volume, view.camera, view.size, self._info.id, settings, view.clipping
+        )  # fmt: skip
+        return float(settings.step) if samples is None else samples.distance / min(view.volume.spacing)
+
+    # ------------------------------------------------------------------------------------ meshes
+
+    def _meshes(self) -> Generator[float, None, None]:
+        how, total = self._study, len(self._study.values) + 1
+        volume, settings = cropped_to(self._view.volume, STRIDE_CELLS), dict(self._settings)
+        if settings.get("isovalue") is None:
+            settings["isovalue"] = auto_isovalue(self._view.volume)
+        unit = min(volume.spacing)
+
+        def mesh(stride: float) -> Any:
+            return side_mesh(volume, self._info.id, settings | {"stride": int(stride)})
+
+        truth = mesh(how.best or 1)
+        yield 1 / total
+        values, distances, errors, largest = [], [], [], []
+        for done, stride in enumerate(how.values, 2):
+            coarse = mesh(stride)
+            if len(coarse[1]) and len(truth[1]):
+                found = surface_distance(coarse, truth, max_samples=MESH_SAMPLES)
+                values.append(stride)
+                distances.append(stride * max(volume.spacing) / unit)
+                errors.append(found.mean / unit)
+                largest.append(found.hausdorff / unit)
+            yield done / total
+        self._finish(values, distances, errors, largest, f"{self._info.id} on every voxel", 0.0)
+
+    def _finish(
+        self,
+        values: Sequence[float],
+        distances: Sequence[float],
+        errors: Sequence[float],
+        largest: Sequence[float],
+        reference: str,
+        least: float,
+        offset: float | None = None,
+        model: str = "",
+    ) -> None:
+        how = self._study
+        of_meshes = how.parameter == "stride"
+        factor, slope = fitted_line(distances, errors, how.finest, least)
+        self.result = Convergence(
+            self._name, self._info.id, how.parameter, tuple(values), tuple(distances), tuple(errors),
+            tuple(largest), slope, (factor, slope), reference, offset, model, how.axis, how.finest,
+            VOXELS if of_meshes else LEVELS, (0, 0) if of_meshes else self._view.size,
+        )  # fmt: skip
 
 
-def converging_parameter(info: TechniqueInfo) -> str | None:
-    """The setting whose refinement makes the pictures of a technique converge; None when it has none."""
-    names = [p.name for p in info.parameters]
-    if "bisections" in names:
-        return "bisections"
-    # half-angle slicing compares with nothing: light and picture are refined by different settings
-    return "step" if "step" in names and info.id in ONE_INTEGRAL + OWN_LIMIT else None
-
-
-def smaller(view: View) -> View:
-    """The view with at most 320 x 240 pixels, of the same proportions."""
+def smaller(view: View, most_pixels: int) -> View:
+    """The view with at most so many pixels, of the same proportions."""
     width, height = view.size
-    factor = math.sqrt(MOST_PIXELS / (width * height))
+    factor = math.sqrt(most_pixels / (width * height))
     if factor >= 1:
         return view
     return replace(view, size=(max(round(width * factor), 1), max(round(height * factor), 1)))
+
+
+def cropped_to(volume: Volume, cells: int) -> Volume:
+    """The volume without its last voxels, so that every axis has a multiple of so many cells.
+
+    Grids of every second, third, ... voxel then end at the same border, for numbers that divide `cells`.
+    """
+    nz, ny, nx = ((n - 1) // cells * cells + 1 for n in volume.array.shape)
+    return Volume(
+        volume.array[:nz, :ny, :nx], spacing=volume.spacing, origin=volume.origin, direction=volume.direction,
+        unit=volume.unit, name=volume.name,
+    )  # fmt: skip
+
+
+def _rms(difference: npt.NDArray[np.float64]) -> float:
+    """Root of the mean squared difference in levels of 0..255."""
+    return float(255.0 * np.sqrt(np.mean(difference**2)))
 
 
 def _exact(info: TechniqueInfo) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from html import escape
 
 import numpy as np
 
-from volviz.compare.convergence import ROUNDING, Convergence
+from volviz.compare.convergence import LEVELS, ROUNDING, Convergence
 from volviz.compare.timing import FrameTimes
 
 #: Colours that people with any colour vision tell apart, on light and on dark (after Okabe and Ito 2008).
@@ -22,12 +22,12 @@ _FONT = 'font-family="system-ui, sans-serif" font-size="12"'
 
 
 def convergence_plot(results: Sequence[Convergence], size: tuple[int, int] = (860, 400)) -> str:
-    """Errors over the distance of samples, both on logarithmic axes, with fitted lines and their slopes.
+    """Errors over distances, both on logarithmic axes, with fitted lines and their slopes.
 
     Parameters
     ----------
     results : sequence of Convergence
-        At least one; a side is a colour and a shape.
+        At least one, all with errors in the same unit; a side is a colour and a shape.
     size : tuple of 2 ints
         Width and height.
     """
@@ -36,7 +36,8 @@ def convergence_plot(results: Sequence[Convergence], size: tuple[int, int] = (86
         return _svg(size, [_text(size[0] / 2, size[1] / 2, "No errors to plot.", "middle")])
     xs, ys = (np.array(v) for v in zip(*points, strict=True))
     frame = _LogFrame(size, (float(xs.min()), float(xs.max())), (float(ys.min()), float(ys.max())))
-    parts = frame.axes("distance of samples in voxels", "error in levels of 255 (RMS)")
+    kind = "RMS" if results[0].unit == LEVELS else "mean"
+    parts = frame.axes(axis_words(results), f"error in {results[0].unit} ({kind})")
     for i, found in enumerate(results):
         color = COLORS[i % len(COLORS)]
         parts += frame.line_of(found, color)
@@ -48,6 +49,15 @@ def convergence_plot(results: Sequence[Convergence], size: tuple[int, int] = (86
         parts.append(_marker(x, y, i, color))
         parts.append(_text(x + 12, y + 4, f"{found.name}: {slope}", "start"))
     return _svg(size, parts)
+
+
+def axis_words(results: Sequence[Convergence]) -> str:
+    """What the horizontal axis shows: of one technique its own word, of several what they have in common."""
+    axes = dict.fromkeys(found.axis for found in results)
+    ends = [axis.removeprefix("distance of ") for axis in axes]
+    if all(axis.startswith("distance of ") for axis in axes):
+        return "distance of " + " or ".join(ends) + " in voxels"
+    return " or ".join(axes) + " in voxels"
 
 
 class _LogFrame:
@@ -87,17 +97,15 @@ class _LogFrame:
         return parts
 
     def line_of(self, found: Convergence, color: str) -> list[str]:
-        factor, slope = found.fitted
-        fitted = [d for d, e in zip(found.distances, found.errors, strict=True) if e > ROUNDING]
-        if math.isnan(slope) or not fitted:
+        """The fitted error: a straight line, bent down where the converged picture is not much finer."""
+        least = ROUNDING if found.unit == LEVELS else 0.0
+        fitted = [d for d, e in zip(found.distances, found.errors, strict=True) if e > least]
+        if math.isnan(found.slope) or not fitted:
             return []
-        low, high = min(fitted), max(fitted)
-        return [
-            _line(
-                self.x(low), self.y(factor * low**slope), self.x(high), self.y(factor * high**slope), color,
-                'stroke-width="1.5" stroke-dasharray="6 4"',
-            )
-        ]  # fmt: skip
+        places = np.geomspace(min(fitted), max(fitted), 33 if found.finest > 0 else 2)
+        points = " ".join(f"{self.x(d):.1f},{self.y(found.expected(d)):.1f}" for d in map(float, places))
+        style = 'fill="none" stroke-width="1.5" stroke-dasharray="6 4"'
+        return [f'<polyline points="{points}" stroke="{color}" {style}/>']
 
 
 def times_plot(times: Sequence[FrameTimes], width: int = 720) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from volviz.compare.convergence import LEVELS
 from volviz.compare.report_page import page
 from volviz.compare.results import Comparison, pair_dict, side_dict
 from volviz.errors import InputError, VolvizError
@@ -108,9 +109,18 @@ def _rows(comparison: Comparison) -> Iterator[tuple[str, str, str, str, Any]]:
         for value, distance, error, largest in rows:
             what = f"{found.parameter}={value:g}"
             yield "convergence", found.name, what, "distance", distance
-            yield "convergence", found.name, what, "rms_error", error
+            yield (
+                "convergence",
+                found.name,
+                what,
+                "rms_error" if found.unit == LEVELS else "mean_distance",
+                error,
+            )
             yield "convergence", found.name, what, "max_error", largest
         yield "convergence", found.name, "", "slope", found.slope
+        yield "convergence", found.name, "", "converged", found.reference
+    for sentence in comparison.without_curve:
+        yield "convergence", "", "", "", sentence
     for group in ("machine", "versions"):
         for figure, value in getattr(comparison, group).items():
             yield group, "", "", figure, value

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.compare.convergence import LEVELS, Convergence
 from volviz.compare.matching import in_words
 from volviz.compare.mesh_metrics import MeshMetrics
 from volviz.compare.pictures import color_table
@@ -232,7 +233,7 @@ def _mesh_cells(mesh: MeshMetrics) -> list[str]:
 
 def _convergence(comparison: Comparison) -> list[str]:
     found = comparison.convergence
-    if not found:
+    if not found and not comparison.without_curve:
         return []
     rows = [
         [
@@ -241,7 +242,8 @@ def _convergence(comparison: Comparison) -> list[str]:
             "none" if math.isnan(c.slope) else f"{c.slope:.2f}",
             ", ".join(f"{d:.3g}: {e:.3g}" for d, e in zip(c.distances, c.errors, strict=True)),
             escape(c.reference),
-            "" if c.offset is None else f"{c.offset:.3g}",
+            "" if c.offset is None else f"{c.offset:.3g} from {escape(c.offset_from)}",
+            "" if c.unit != LEVELS else "{} x {}".format(*c.size),
         ]
         for c in found
     ]
@@ -250,19 +252,38 @@ def _convergence(comparison: Comparison) -> list[str]:
         "setting",
         "slope",
         "error by distance in voxels",
-        "converged picture",
-        "off raycast's",
+        "converged",
+        "how far the converged picture is off",
+        "pixels",
     ]
     rows = _without_empty(heads, rows)
-    return [
-        "<h2>Convergence</h2>",
-        (
-            "<p>Errors against a converged picture, as 32-bit floats, without early termination and jitter. "
-            "The slope of the fitted line is the order of convergence.</p>"
-        ),
-        convergence_plot(found),
-        _table(heads, rows),
-    ]
+    parts = ["<h2>Convergence</h2>", *(f"<p>{escape(words)}</p>" for words in _about_convergence(found))]
+    units = dict.fromkeys(c.unit for c in found)
+    parts += [convergence_plot([c for c in found if c.unit == unit]) for unit in units]
+    if found:
+        parts.append(_table(heads, rows))
+    return [*parts, _bullets(comparison.without_curve)] if comparison.without_curve else parts
+
+
+def _about_convergence(found: Sequence[Convergence]) -> list[str]:
+    """How the errors were taken, as far as it concerns these."""
+    words = []
+    if any(c.unit == LEVELS for c in found):
+        words.append(
+            "Errors of pictures against a converged one, as 32-bit floats, without early termination and jitter. The "
+            "slope of the fitted line is the order of convergence."
+        )
+    if any(c.unit != LEVELS for c in found):
+        words.append(
+            "Errors of meshes are their mean distance from the mesh that the same technique makes of every voxel; the "
+            "data ends at a common border."
+        )
+    if any(c.finest > 0 for c in found):
+        words.append(
+            "Where a technique is measured against its own finest result at distance h0, the line that is fitted is "
+            "c (h^p - h0^p): the order p is that of the error against the limit."
+        )
+    return words
 
 
 def _settings(sides: Sequence[SideResult]) -> str:

@@ -99,6 +99,8 @@ class Comparison:
         Results in the order of the techniques.
     convergence : tuple of Convergence
         Empty unless asked for.
+    without_curve : tuple of str
+        Why some of the techniques have no order of convergence, a sentence each.
     transfer_function : mapping
         Plain data of `TransferFunction.to_dict`.
     machine, versions : mapping of str to str
@@ -117,6 +119,7 @@ class Comparison:
     machine: Mapping[str, str]
     versions: Mapping[str, str]
     convergence: tuple[Convergence, ...] = ()
+    without_curve: tuple[str, ...] = ()
     command: str = ""
     remarks: tuple[str, ...] = field(default=())
 
@@ -134,6 +137,7 @@ class Comparison:
             "sides": [side_dict(side) for side in self.sides],
             "pairs": [pair_dict(self, pair) for pair in self.pairs],
             "convergence": [plain(dataclasses.asdict(c)) for c in self.convergence],
+            "without_curve": list(self.without_curve),
             "transfer_function": plain(self.transfer_function),
             "machine": dict(self.machine),
             "versions": dict(self.versions),

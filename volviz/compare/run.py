@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from volviz.compare.convergence import Convergence, ConvergenceRun, converging_parameter
+from volviz.compare.convergence import Convergence, ConvergenceRun
+from volviz.compare.convergence_studies import study, why_not
 from volviz.compare.machine import machine_facts, version_facts
 from volviz.compare.matching import MatchedSide, match_sides, settings_differences
 from volviz.compare.mesh_metrics import mesh_metrics
@@ -19,6 +20,7 @@ from volviz.compare.samples import ray_samples
 from volviz.compare.stage import Stage, View
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.compare.timing import FrameTimes, stage_timer
+from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
 from volviz.model.parameters import Parameter, parameters_of
 from volviz.model.volume import Volume
@@ -136,8 +138,8 @@ class ComparisonRun:
             pairs.append(self._pair(results[first], results[second]))
         orders: list[Convergence] = []
         if self._convergence:
-            for fraction in self._converge(orders):
-                yield 0.75 + 0.25 * fraction, "drawing for the convergence"
+            for fraction, words in self._converge(orders):
+                yield 0.75 + 0.25 * fraction, words
         self.result = self._comparison(tuple(results.values()), tuple(pairs), tuple(orders), renderer)
         yield 1.0, "done"
 
@@ -187,16 +189,23 @@ class ComparisonRun:
             return None
         return surface_distance(a, b)
 
-    def _converge(self, found: list[Convergence]) -> Iterator[float]:
-        from volviz.custom_gl.registry import technique
-
-        able = [s for s in self._sides if converging_parameter(technique(s.technique)) is not None]
+    def _converge(self, found: list[Convergence]) -> Iterator[tuple[float, str]]:
+        able = [s for s in self._sides if study(technique(s.technique), self._view.volume) is not None]
         for i, side in enumerate(able):
+            words = f"drawing for the convergence of {side.name}"
+            yield i / len(able), words
             run = ConvergenceRun(self._view, side.name, side.technique, side.own_values)
             for fraction in run.steps():
-                yield (i + fraction) / len(able)
+                yield (i + fraction) / len(able), words
             if run.result is not None:
                 found.append(run.result)
+
+    def _without_curve(self) -> tuple[str, ...]:
+        """Sentences on the techniques that have no order of convergence; nobody is left out silently."""
+        infos = [technique(ident) for ident in dict.fromkeys(side.technique for side in self._sides)]
+        if not self._convergence:
+            return ()
+        return tuple(why_not(info) for info in infos if study(info, self._view.volume) is None)
 
     def _comparison(
         self,
@@ -216,6 +225,7 @@ class ComparisonRun:
             machine=machine_facts(renderer),
             versions=version_facts(),
             convergence=orders,
+            without_curve=self._without_curve(),
             command=self._command,
             remarks=REMARKS,
         )

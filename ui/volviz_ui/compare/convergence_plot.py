@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 HEIGHT = 190
 TIP = 4.0
+LEVELS = "levels of 255"
 COLORS = ("#4795ee", "#e8923c", "#6fbf73", "#c678dd")
 """One for each side, told apart on light and dark ground."""
 
@@ -26,7 +27,11 @@ class Curve:
     distances, errors : tuple of floats
         In voxels, and in levels of 0..255; only points with an error above 0 are drawn.
     factor, slope : float
-        The fitted line factor * distance^slope; NaN when nothing could be fitted.
+        The fitted error factor * (distance^slope - finest^slope); NaN when nothing could be fitted.
+    finest : float
+        Distance of the converged picture where it counts, in voxels.
+    unit : str
+        Of the errors: "levels of 255" for pictures, "voxels" for meshes.
     """
 
     name: str
@@ -34,6 +39,14 @@ class Curve:
     errors: tuple[float, ...]
     factor: float
     slope: float
+    finest: float = 0.0
+    unit: str = LEVELS
+
+    def expected(self, distance: float) -> float:
+        """The fitted error at a distance."""
+        return self.factor * float(
+            distance**self.slope - (self.finest**self.slope if self.finest > 0 else 0.0)
+        )
 
     @property
     def points(self) -> list[tuple[float, float]]:
@@ -62,7 +75,8 @@ class ConvergencePlot(QWidget):
         self.setAccessibleName(self.tr("Error over the distance of samples"))
         self.setToolTip(
             self.tr(
-                "Error (levels of 255, root mean square) over the distance of samples (voxels), with fitted slopes"
+                "Error (pictures: levels of 255, root mean square; meshes: mean distance in voxels) over the distance "
+                "of samples, slices, splats or grid points in voxels, with fitted slopes"
             )
         )
 
@@ -134,12 +148,20 @@ class ConvergencePlot(QWidget):
             if math.isfinite(curve.slope) and curve.points:
                 ends = [min(x for x, _ in curve.points), max(x for x, _ in curve.points)]
                 painter.setPen(QPen(color, 1.4))
-                painter.drawLine(*(place(x, curve.factor * x**curve.slope) for x in ends))
+                painter.setBrush(Qt.BrushStyle.NoBrush)
+                painter.drawPolyline([place(x, curve.expected(x)) for x in _between(*ends)])
+                painter.setBrush(color)
             painter.setPen(QPen(palette.color(QPalette.ColorRole.Base), 1))
             for x, y in curve.points:
                 painter.drawEllipse(place(x, y), TIP - 1, TIP - 1)
             painter.setClipping(False)
 
 
+def _between(low: float, high: float) -> list[float]:
+    """Distances from one to another, in equal steps of their logarithms."""
+    return [low * (high / low) ** (n / 32) for n in range(33)]
+
+
 def _words(curve: Curve) -> str:
-    return f"{curve.name}: slope {curve.slope:.2f}" if math.isfinite(curve.slope) else curve.name
+    words = f"{curve.name}: slope {curve.slope:.2f}" if math.isfinite(curve.slope) else curve.name
+    return words if curve.unit == LEVELS else f"{words} ({curve.unit})"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
@@ -134,13 +135,21 @@ class ComparePanel(Panel):
     def _orders(self) -> Section:
         self.plot = ConvergencePlot(self)
         self.plot.hide()
+        self.plot_words = quiet_label("", self)
+        self.plot_words.setWordWrap(True)
+        self.plot_words.setToolTip(self.tr("Views whose pictures have nothing to converge with"))
+        self.plot_words.hide()
         self.convergence_button = QPushButton(self.tr("Measure convergence"), self)
         self.convergence_button.setToolTip(
-            self.tr("Draw each view at several steps and fit how its error falls (in a process of its own)")
+            self.tr(
+                "Draw each view coarser and finer (steps, slices, splats, cells of a mesh) and fit how its error falls "
+                "(in a process of its own)"
+            )
         )
         self.convergence_button.clicked.connect(self.convergence_wanted)
         section = Section(self.tr("Convergence"), parent=self)
         section.add_wide(self.plot)
+        section.add_wide(self.plot_words)
         section.add_wide(self.convergence_button)
         return section
 
@@ -191,10 +200,12 @@ class ComparePanel(Panel):
         self.work.show()
         self.open_button.show()
 
-    def show_convergence(self, curves: list[Curve]) -> None:
-        """Show how errors fall; none when nothing was measured, or it no longer holds."""
+    def show_convergence(self, curves: Sequence[Curve], sentences: Sequence[str] = ()) -> None:
+        """Show how errors fall, and why some views have no curve; none when nothing was measured, or holds."""
         self.plot.set_curves(curves)
         self.plot.setVisible(bool(curves))
+        self.plot_words.setText("\n".join(sentences))
+        self.plot_words.setVisible(bool(sentences))
 
     def set_several(self, several: bool) -> None:
         """Whether there is anything to compare."""

@@ -113,7 +113,8 @@ class Reports(QObject):
             return
         if folder is not None:
             text = (Path(folder.path()) / "convergence.json").read_text(encoding="utf-8")
-            self._panel.show_convergence(curves_of(json.loads(text)))
+            report = json.loads(text)
+            self._panel.show_convergence(curves_of(report), report["without_curve"])
 
     def _on_failed(self, words: str) -> None:
         converging = self._folder is not None
@@ -151,6 +152,8 @@ def curves_of(report: dict[str, Any]) -> list[Curve]:
             tuple(float(e) for e in row["errors"]),
             math.nan if row["fitted"][0] is None else float(row["fitted"][0]),
             math.nan if row["slope"] is None else float(row["slope"]),
+            float(row["finest"]),
+            str(row["unit"]),
         )
         for row in report["convergence"]
     ]
