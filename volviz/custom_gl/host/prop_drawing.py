@@ -210,6 +210,8 @@ class PropDrawing:
                 renderer.SetActiveCamera(camera)
             self._place_light(frame)
             renderer.UpdateLights()
+            if frame.scene_depth is not None:
+                self._count_a_prop()
             camera.Render(renderer)
             state.vtkglScissor(*tile)
             for prop in self._technique.props:
@@ -227,6 +229,25 @@ class PropDrawing:
             frame.target.fbo.use()
             frame.gpu.gl.viewport = (0, 0, *frame.size)
             frame.gpu.gl.scissor = None
+
+    def _count_a_prop(self) -> None:
+        """Have the renderer render an actor without points, once.
+
+        `vtkFixedPointVolumeRayCastMapper` reads the depth of the scene only in a renderer that has counted a prop.
+        """
+        renderer = self._renderer
+        if renderer.GetNumberOfPropsRendered():
+            return
+        nothing = vtk.vtkActor()
+        mapper = vtk.vtkPolyDataMapper()
+        mapper.SetInputData(vtk.vtkPolyData())
+        nothing.SetMapper(mapper)
+        # VTK's culler would leave out what has no bounds
+        renderer.GetCullers().RemoveAllItems()
+        renderer.AddActor(nothing)
+        renderer.Render()
+        renderer.RemoveActor(nothing)
+        nothing.ReleaseGraphicsResources(self._window)
 
     @staticmethod
     def _use_defaults(state: Any) -> None:
