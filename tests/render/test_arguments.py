@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import pyvista
 
 import volviz
-from volviz.errors import InputError
+from volviz.errors import InputError, RenderError, VolvizError
 
 VOLUME = volviz.Volume(np.arange(27.0).reshape(3, 3, 3))
 
@@ -29,3 +30,36 @@ def test_a_value_of_another_kind_is_refused_before_anything_is_drawn(
 ) -> None:
     with pytest.raises(InputError, match=words):
         volviz.render(**({"volume": VOLUME} | values))
+
+
+def test_a_handle_refuses_what_it_cannot_show_and_keeps_what_it_shows() -> None:
+    plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
+    try:
+        handle = volviz.add_volume(plotter, VOLUME)
+        for values, words in (
+            ({"quality": "best"}, "quality must be one of fast, balanced, full"),
+            ({"volume": VOLUME.array}, "volume must be a volviz.Volume"),
+            ({"settings": 3}, "raycast takes RaycastSettings"),
+        ):
+            with pytest.raises(VolvizError, match=words):
+                handle.update(**values)
+        assert (handle.quality, handle.volume) == ("balanced", VOLUME)
+    finally:
+        plotter.close()
+
+
+def test_a_picture_of_an_earlier_state_is_not_read_for_one_of_the_present() -> None:
+    plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
+    try:
+        handle = volviz.add_volume(plotter, VOLUME)
+        with pytest.raises(RenderError, match="no full picture"):
+            handle.read_picture()
+        plotter.show(auto_close=False)
+        assert handle.read_picture().shape == (16, 16, 4)
+        handle.update(step=1.0)
+        with pytest.raises(RenderError, match="no full picture"):
+            handle.read_picture()
+        plotter.render()
+        assert handle.read_picture().shape == (16, 16, 4)
+    finally:
+        plotter.close()

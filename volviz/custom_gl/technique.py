@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES
+from volviz.kernels.slices import crop_corners
 from volviz.model.parameters import Parameter, parameters_of
 
 if TYPE_CHECKING:
@@ -238,13 +239,7 @@ class Frame:
     @property
     def box_corners(self) -> Matrix:
         """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
-        i0, i1, j0, j1, k0, k1 = self.crop
-        index = np.array(
-            [[(i0, i1)[c & 1], (j0, j1)[c >> 1 & 1], (k0, k1)[c >> 2 & 1]] for c in range(8)],
-            dtype=np.float64,
-        )
-        matrix = self.volume.index_to_world
-        return np.asarray(index @ matrix[:3, :3].T + matrix[:3, 3])
+        return crop_corners(self.volume.index_to_world, self.crop, self.volume.dimensions)
 
     @property
     def step_world(self) -> float:

@@ -34,7 +34,7 @@ SHOWN_AFTER = (2, 4, 8)
 
 
 class Host(Protocol):
-    """What the accumulation needs of a `VolumeHandle`."""
+    """What the accumulation needs of a `Drawing`."""
 
     def jittered_frame(self, sequence: int) -> Frame:
         """The frame of a further picture, into a target of its own."""
@@ -52,7 +52,7 @@ class Accumulation:
     Attributes
     ----------
     key : object
-        What the pictures show, as in `VolumeHandle`; None = nothing is summed up.
+        What the pictures show, as in `Picture`; None = nothing is summed up.
     count : int
         Pictures in the sum, the first one included.
     """

@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from volviz.custom_gl.settings import SharedSettings
 from volviz.custom_gl.technique import TechniqueInfo, drawn_function
 from volviz.errors import InputError
-from volviz.model.clipping import Clipping
-from volviz.model.light import Light
+from volviz.kernels.slices import crop_corners
+from volviz.model.clipping import Clipping, Crop
+from volviz.model.light import Light, default_position
 from volviz.model.parameters import make_settings, parameters_of
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -75,6 +79,28 @@ class Shown:
     given_function: TransferFunction
     transfer_function: TransferFunction
     drawn_function: TransferFunction
+
+    @property
+    def light_position(self) -> tuple[float, float, float]:
+        """World position of the placed light (also while the headlight is on)."""
+        return self.light.position or default_position(self.volume.bounds)
+
+    @property
+    def crop(self) -> Crop:
+        """The crop box within the volume, in continuous voxel indices (i0, i1, j0, j1, k0, k1)."""
+        return self.clipping.crop_within(self.volume.dimensions)
+
+    @property
+    def box_corners(self) -> npt.NDArray[np.float64]:
+        """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
+        return crop_corners(self.volume.index_to_world, self.crop, self.volume.dimensions)
+
+    @property
+    def notice(self) -> str:
+        """A sentence on what of the settings cannot be drawn together; empty when nothing."""
+        if self.drawn_function.by_gradient is None or not getattr(self.settings, "preintegrated", False):
+            return ""
+        return "Regions over value and gradient are drawn without pre-integration."
 
     @classmethod
     def first(

@@ -1,0 +1,96 @@
+"""Makes the frame that a technique draws: what is shown, seen by the camera, at a level of quality."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+
+from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.resources import VolumeResources
+from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.host.accumulation import jittered_camera, sample_phase
+from volviz.custom_gl.host.frame_uniforms import box_tiles, level_of_detail, shared_uniforms
+from volviz.custom_gl.host.mesh_filters import filter_triangles
+from volviz.custom_gl.host.mesh_reading import read_triangles
+from volviz.custom_gl.host.no_textures import NoTextures
+from volviz.custom_gl.host.pacing import FULL, Level
+from volviz.custom_gl.host.renderer_view import RendererView
+from volviz.custom_gl.host.shown import Shown
+from volviz.custom_gl.technique import Frame
+
+
+def frame_size(view: RendererView, level: Level) -> tuple[int, int]:
+    """Width and height of a picture of that level, in pixels."""
+    width, height, _, _ = view.rectangle()
+    return max(round(width * level.fraction), 1), max(round(height * level.fraction), 1)
+
+
+def make_frame(
+    shown: Shown,
+    view: RendererView,
+    gpu: Gpu,
+    target: Target,
+    textures: VolumeResources | NoTextures,
+    *,
+    scene_depth: Any,
+    level: Level,
+    tile: tuple[int, int],
+    sequence: int = 0,
+) -> Frame:
+    """A frame, complete with tiles and uniforms; the target is not cleared.
+
+    Parameters
+    ----------
+    shown : Shown
+        What is to be drawn.
+    view : RendererView
+        Where it is seen from.
+    gpu : Gpu
+        Of the window, whose context is current.
+    target : Target
+        Of the size `frame_size` gives for the level.
+    textures : VolumeResources or NoTextures
+        Of the volume, uploaded.
+    scene_depth : moderngl.Texture or None
+        Of the opaque geometry.
+    level : Level
+        Quality.
+    tile : tuple of 2 ints
+        Largest width and height of the tiles.
+    sequence : int, default: 0
+        Number of a picture that follows the full one.
+    """
+    width, height, _, _ = view.rectangle()
+    frame = Frame(
+        gpu=gpu,
+        target=target,
+        size=target.size,
+        window_size=(width, height),
+        volume=shown.volume,
+        resources=cast(VolumeResources, textures),
+        transfer_function=shown.drawn_function,
+        settings=shown.settings,
+        camera=jittered_camera(view.camera(), target.size, sequence),
+        light_position=np.array(shown.light_position),
+        light_color=shown.light.color,
+        headlight=shown.light.headlight,
+        crop=shown.crop,
+        planes=shown.clipping.planes,
+        scene_depth=scene_depth,
+        step_scale=level.step_scale,
+        level=0,
+        sequence=sequence,
+        interactive=level != FULL,
+        tiles=(),
+        uniforms={},
+        filter_triangles=filter_triangles,
+        read_triangles=read_triangles,
+    )
+    frame.level = level_of_detail(frame)
+    frame.resources.select(frame.level)
+    frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, frame.size, tile)
+    if shown.info.uses_textures:
+        frame.uniforms = shared_uniforms(frame)
+        frame.uniforms["u_first_sample"] = sample_phase(frame.uniforms["u_first_sample"], sequence)
+    return frame

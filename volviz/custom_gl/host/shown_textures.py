@@ -1,0 +1,76 @@
+"""The textures of the volume that a handle shows: taken from the window, filled a piece at a time, given back."""
+
+from __future__ import annotations
+
+import time
+
+from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
+from volviz.custom_gl.gpu.scalars import is_prepared
+from volviz.custom_gl.host.no_textures import NO_TEXTURES, NoTextures
+from volviz.custom_gl.host.shown import Shown
+from volviz.custom_gl.host.window_gpu import WindowGpu
+
+
+class ShownTextures:
+    """Holds the textures of one volume at a time.
+
+    Parameters
+    ----------
+    window_gpu : WindowGpu
+        Where they are; all volumes of a window share it.
+    """
+
+    def __init__(self, window_gpu: WindowGpu) -> None:
+        self._window_gpu = window_gpu
+        self._held: VolumeResources | None = None
+
+    def are_made(self, shown: Shown) -> bool:
+        """Whether there are textures for what is shown, or none are needed."""
+        if not shown.info.uses_textures:
+            return True
+        return self._held is not None and self._held.volume is shown.volume
+
+    def can_be_made(self, shown: Shown) -> bool:
+        """Whether they can be made without computing texels here first."""
+        return self.are_made(shown) or is_prepared(
+            shown.volume, *texel_limits(self._window_gpu.gpu, shown.volume)
+        )
+
+    def of(self, shown: Shown) -> VolumeResources | NoTextures:
+        """The textures of what is shown, made if need be; those of another volume are given back."""
+        needed = shown.info.uses_textures
+        if self._held is not None and (self._held.volume is not shown.volume or not needed):
+            self.release()
+        if not needed:
+            return NO_TEXTURES
+        if self._held is None:
+            self._held = self._window_gpu.resources(shown.volume)
+        return self._held
+
+    def upload(self, shown: Shown, budget: float) -> bool:
+        """Fill them for about `budget` seconds; True when they are full."""
+        begin = time.perf_counter()
+        textures = self.of(shown)
+        while not textures.complete:
+            textures.upload(1)
+            self._window_gpu.gpu.gl.finish()
+            if time.perf_counter() - begin > budget:
+                break
+        return textures.complete
+
+    @property
+    def notice(self) -> str:
+        """A sentence where several voxels had to become one texel; empty otherwise."""
+        if self._held is None or max(self._held.full_factor) == 1:
+            return ""
+        blocks = " x ".join(str(n) for n in self._held.full_factor)
+        return (
+            f"This volume is larger than the graphics memory or its largest texture allows: blocks of {blocks} "
+            "voxels (x, y, z) are drawn as one; crop the file or raise VOLVIZ_TEXTURE_MB to see all of it."
+        )
+
+    def release(self) -> None:
+        """Give them back; the context is current."""
+        if self._held is not None:
+            self._window_gpu.drop(self._held)
+            self._held = None
