@@ -19,6 +19,7 @@ from PIL import Image
 import volviz
 from tests.render.scenes import POINTS, blobs
 from volviz.cli import main
+from volviz.commands.progress import ProgressLine
 from volviz.compare.matching import match_sides, side_names
 from volviz.compare.report import csv_report, html_report, json_report, save_report
 from volviz.compare.results import Comparison, picture_pairs
@@ -122,7 +123,7 @@ def test_json_says_the_same_as_the_results(comparison: Comparison) -> None:
     assert data["schema"] == 1
     assert set(data) == {
         "schema", "title", "volume", "view", "sides", "pairs", "convergence", "transfer_function", "machine",
-        "versions", "remarks", "command", "without_curve",
+        "versions", "remarks", "command", "without_curve", "notes",
     }  # fmt: skip
     assert [side["name"] for side in data["sides"]] == [side.name for side in comparison.sides]
     for entry, pair in zip(data["pairs"], comparison.pairs, strict=True):
@@ -328,6 +329,7 @@ def test_a_camera_can_be_given_in_numbers(volume_file: Path, tmp_path: Path) -> 
         (["-t", "raycast", "-t", "slicing", "--frames", "-1", "-o", "r.html"], "--frames"),
         (["-t", "raycast", "-t", "slicing", "--background", "nocolour", "-o", "r.html"], "nocolour"),
         (["-t", "raycast", "--suite", "-o", "r.html"], "--suite"),
+        (["-t", "raycast", "-t", "slicing", "--patience", "0", "-o", "r.html"], "--patience"),
     ],
 )
 def test_what_cannot_be_compared_is_refused_in_one_sentence(
@@ -442,6 +444,38 @@ def test_a_group_that_fails_does_not_end_a_suite(
     assert told.out.endswith("1 comparison\n")
     monkeypatch.setattr("volviz.compare.suite.suite_groups", lambda: [[technique("raycast")]])
     assert main(words) == 2
+
+
+def test_a_suite_that_is_stopped_writes_what_is_finished(
+    volume_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    group = [technique("raycast"), technique("slicing")]
+    monkeypatch.setattr("volviz.compare.suite.suite_groups", lambda: [group, group, group])
+    shown: list[float] = []
+
+    def press_in_the_second(line: ProgressLine, fraction: float, _words: str = "") -> None:
+        shown.append(fraction)
+        if fraction > 0.5:
+            line._stopping = True
+
+    monkeypatch.setattr(ProgressLine, "show", press_in_the_second)
+    output = tmp_path / "suite.json"
+    words = ["compare", str(volume_file), "--suite", "--size", "24x20", "--frames", "0", "-o", str(output)]
+    assert main(words) == 130
+    assert capsys.readouterr().out.endswith("1 comparison of 3, stopped before the end\n")
+    assert json.loads(output.read_text(encoding="utf-8"))["sides"][0]["name"] == "raycast"
+    assert shown == sorted(shown)
+    assert shown[-1] < 0.7
+
+
+def test_a_side_that_is_slow_gets_fewer_frames_and_the_report_says_so() -> None:
+    view = make_view(size=(48, 40))
+    found = compare(view, [Side("raycast"), Side("slicing")], frames=3, patience=1e-9)
+    assert [len(side.times.seconds) for side in found.sides if side.times is not None] == [1, 1]
+    assert len(found.notes) == 2
+    assert "1 of 3 frames was measured" in found.notes[0]
+    assert "1 of 3 frames was measured" in html_report([found])
+    assert compare(view, [Side("raycast"), Side("slicing")], frames=1).notes == ()
 
 
 def test_a_mesh_that_is_empty_has_figures_and_no_distance() -> None:

@@ -17,7 +17,7 @@ from volviz.errors import InputError, VolvizError
 
 if TYPE_CHECKING:
     from volviz.compare.results import Comparison
-    from volviz.compare.run import Side
+    from volviz.compare.run import ComparisonRun, Side
     from volviz.compare.stage import View
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.camera import Camera
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 #: Pictures of a suite are many: small ones do.
 SIZE, SUITE_SIZE = "600x450", "320x240"
-#: Seconds for the frame times of one comparison of a suite.
-SUITE_SECONDS = 15.0
+#: Seconds for the frame times of each side; a suite has some two hundred of them.
+PATIENCE, SUITE_PATIENCE = 20.0, 3.0
 #: Settings that --isovalue stands for, by technique whichever it has.
 ISOVALUES = ("isovalue", "isovalues")
 
@@ -67,6 +67,10 @@ def add_commands(commands: Any) -> None:
         "--frames", type=int, default=7, metavar="N", help="measured frames of each side, 0 = none"
     )
     parser.add_argument(
+        "--patience", type=float, metavar="SECONDS",
+        help=f"for frame times of each side, slow ones in fewer frames ({PATIENCE:g}; {SUITE_PATIENCE:g} with --suite)",
+    )  # fmt: skip
+    parser.add_argument(
         "--convergence",
         action="store_true",
         help="also errors over step, splats or cells, with fitted slopes",
@@ -85,6 +89,8 @@ def run(options: argparse.Namespace) -> int:
     output = check_report_name(options.output)
     if options.frames < 0:
         raise InputError(f"--frames takes a number of frames, 0 for none, got {options.frames}.")
+    if options.patience is not None and not options.patience > 0:
+        raise InputError(f"--patience takes a number of seconds above 0, got {options.patience:g}.")
     if options.suite:
         return _run_suite(options, output)
     if len(options.techniques) < 2:
@@ -154,7 +160,7 @@ def _compare(volume: Volume, sides: Sequence[Side], options: argparse.Namespace)
 
     work = ComparisonRun(
         view_of(volume, sides, options), sides, frames=options.frames, matched=not options.unmatched,
-        convergence=options.convergence, command=command_line(options),
+        convergence=options.convergence, command=command_line(options), patience=_patience(options),
     )  # fmt: skip
     with ProgressLine() as line:
         line.follow(work.steps())
@@ -217,7 +223,7 @@ def command_line(options: argparse.Namespace) -> str:
         words += ["-t", ":".join(_bare_setting(part) for part in text.split(":"))]
     for text in options.values:
         words += ["--set", _bare_setting(text)]
-    for name in ("isovalue", "preset", "size", "camera", "view_angle"):
+    for name in ("isovalue", "preset", "size", "camera", "view_angle", "patience"):
         value = getattr(options, name)
         if value is not None:
             words.append(f"--{name.replace('_', '-')}={value}")
@@ -272,34 +278,53 @@ def summary(comparison: Comparison) -> str:
     return "\n".join(lines)
 
 
+def _patience(options: argparse.Namespace) -> float:
+    given: float | None = options.patience
+    return given if given is not None else SUITE_PATIENCE if options.suite else PATIENCE
+
+
 def _run_suite(options: argparse.Namespace, output: Path) -> int:
     from volviz.compare.report import save_reports
     from volviz.compare.suite import suite_groups, suite_volumes
 
     if options.techniques:
         raise InputError("--suite chooses the techniques itself; leave -t out.")
+    volumes = [lambda: (load_input(options), None)] if options.file is not None else suite_volumes()
+    groups = suite_groups()
     finished: list[Comparison] = []
-    stopped, failed = False, None
-    try:
-        volumes = [(load_input(options), None)] if options.file is not None else suite_volumes()
-        for volume, preset in volumes:
-            for group in suite_groups():
-                sides = sides_of([(info, {}) for info in group], options)
-                try:
-                    finished.append(_suite_entry(volume, preset, sides, options))
-                except VolvizError as error:
-                    # what one group cannot show must not cost the figures of the others
-                    print(f"volviz: {volume.name}, {group[0].id}: {error}", file=sys.stderr)
-                    failed = error
-    except KeyboardInterrupt:
-        stopped = True
-        if not finished:
-            raise
+    stopped, failed, total = False, None, len(volumes) * len(groups)
+    with ProgressLine() as line:
+        try:
+            for number, loaded in enumerate(volumes):
+                volume, preset = loaded()
+                for place, group in enumerate(groups, number * len(groups)):
+                    sides = sides_of([(info, {}) for info in group], options)
+                    try:
+                        work = _suite_entry(volume, preset, sides, options)
+                        line.follow(
+                            ((place + fraction) / total, f"{volume.name}: {words}")
+                            for fraction, words in work.steps()
+                        )
+                    except VolvizError as error:
+                        # what one group cannot show must not cost the figures of the others
+                        line.clear()
+                        print(f"volviz: {volume.name}, {group[0].id}: {error}", file=sys.stderr)
+                        failed = error
+                        continue
+                    assert work.result is not None
+                    finished.append(work.result)
+                    line.clear()
+                    print(f"{volume.name}\n{summary(work.result)}", flush=True)
+        except KeyboardInterrupt:
+            stopped = True
+            if not finished:
+                raise
     if not finished and failed is not None:
         raise failed
     save_reports(finished, output)
     print(
-        f"{output}: {_count(len(finished), 'comparison')}" + (", stopped before the end" if stopped else "")
+        f"{output}: {_count(len(finished), 'comparison')}"
+        + (f" of {total}, stopped before the end" if stopped else "")
     )
     return 130 if stopped else 0
 
@@ -310,15 +335,10 @@ def _count(number: int, thing: str) -> str:
 
 def _suite_entry(
     volume: Volume, preset: str | None, sides: Sequence[Side], options: argparse.Namespace
-) -> Comparison:
+) -> ComparisonRun:
     from volviz.compare.run import ComparisonRun
 
-    work = ComparisonRun(
+    return ComparisonRun(
         view_of(volume, sides, options, preset), sides, frames=options.frames, matched=not options.unmatched,
-        convergence=options.convergence, command=command_line(options), limit=SUITE_SECONDS,
+        convergence=options.convergence, command=command_line(options), patience=_patience(options),
     )  # fmt: skip
-    with ProgressLine() as line:
-        line.follow((fraction, f"{volume.name}: {words}") for fraction, words in work.steps())
-    assert work.result is not None
-    print(f"{volume.name}\n{summary(work.result)}", flush=True)
-    return work.result

@@ -121,6 +121,8 @@ def _rows(comparison: Comparison) -> Iterator[tuple[str, str, str, str, Any]]:
         yield "convergence", found.name, "", "converged", found.reference
     for sentence in comparison.without_curve:
         yield "convergence", "", "", "", sentence
+    for sentence in comparison.notes:
+        yield "note", "", "", "", sentence
     for group in ("machine", "versions"):
         for figure, value in getattr(comparison, group).items():
             yield group, "", "", figure, value

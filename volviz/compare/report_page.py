@@ -185,7 +185,8 @@ def _times(comparison: Comparison) -> list[str]:
         f"ratio to {base.name}",
         "frames",
     ]
-    return ["<h2>Frame times</h2>", _table(heads, _without_empty(heads, rows), 1), times_plot(times)]
+    notes = [_bullets(comparison.notes)] if comparison.notes else []
+    return ["<h2>Frame times</h2>", _table(heads, _without_empty(heads, rows), 1), times_plot(times), *notes]
 
 
 def _samples(comparison: Comparison) -> list[str]:

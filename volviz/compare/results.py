@@ -108,6 +108,8 @@ class Comparison:
         The command that makes the report again.
     remarks : tuple of str
         Sentences on how the figures were made.
+    notes : tuple of str
+        What is special about figures of this comparison: sides for which there was no time for all frames.
     """
 
     title: str
@@ -122,6 +124,7 @@ class Comparison:
     without_curve: tuple[str, ...] = ()
     command: str = ""
     remarks: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
     def side(self, name: str) -> SideResult:
         """The side of that name."""
@@ -142,6 +145,7 @@ class Comparison:
             "machine": dict(self.machine),
             "versions": dict(self.versions),
             "remarks": list(self.remarks),
+            "notes": list(self.notes),
             "command": self.command,
         }
 

@@ -27,8 +27,8 @@ from volviz.model.volume import Volume
 
 #: Techniques that are drawn once: an oracle has all the time in the world.
 UNTIMED = ("reference",)
-#: A minute is enough for any comparison, and some hours for a suite.
-TIMING_SECONDS = 60.0
+#: Seconds for the frame times of each side.
+TIMING_SECONDS = 20.0
 
 REMARKS = (
     (
@@ -71,8 +71,8 @@ class ComparisonRun:
         Also draw each side at several steps or bisections.
     title, command : str
         For the report.
-    limit : float, default: 60.0
-        Seconds after which no further round of frame times begins, once there are three.
+    patience : float, default: 20.0
+        Seconds for the frame times of each side. A slow one is measured in fewer frames, and a note says so.
 
     Raises
     ------
@@ -90,7 +90,7 @@ class ComparisonRun:
         convergence: bool = False,
         title: str = "",
         command: str = "",
-        limit: float = TIMING_SECONDS,
+        patience: float = TIMING_SECONDS,
     ) -> None:
         if len(sides) < 2:
             raise InputError(f"a comparison needs at least two techniques, got {len(sides)}.")
@@ -99,7 +99,7 @@ class ComparisonRun:
             [(side.technique, side.values) for side in sides], matched=matched, light=view.light
         )
         self._frames = frames
-        self._limit = limit
+        self._patience = patience
         self._convergence = convergence
         names = [side.name for side in self._sides]
         self._title = title or f"{', '.join(names[:-1])} and {names[-1]} on {view.volume.name}"
@@ -125,7 +125,7 @@ class ComparisonRun:
             times: dict[str, FrameTimes] = {}
             timed = {name: s for name, s in stages.items() if results[name].technique not in UNTIMED}
             if self._frames and timed:
-                timer = stage_timer(timed, self._frames, limit=self._limit)
+                timer = stage_timer(timed, self._frames, patience=self._patience)
                 for fraction in timer.steps():
                     yield 0.3 + 0.3 * fraction, "taking frame times"
                 times = timer.times
@@ -142,6 +142,16 @@ class ComparisonRun:
                 yield 0.75 + 0.25 * fraction, words
         self.result = self._comparison(tuple(results.values()), tuple(pairs), tuple(orders), renderer)
         yield 1.0, "done"
+
+    def _hurried(self, sides: Sequence[SideResult]) -> tuple[str, ...]:
+        """Sentences on the sides that were too slow for all frames."""
+        return tuple(
+            f"{side.name} takes {times.median:.3g} s a frame: "
+            f"{len(times.seconds)} of {self._frames} frames {'was' if len(times.seconds) == 1 else 'were'} measured, "
+            f"since {self._patience:.3g} s are given to the frame times of each side."
+            for side in sides
+            if (times := side.times) is not None and 0 < len(times.seconds) < self._frames
+        )
 
     def _side_result(self, side: MatchedSide, stage: Stage) -> SideResult:
         settings = {
@@ -228,6 +238,7 @@ class ComparisonRun:
             without_curve=self._without_curve(),
             command=self._command,
             remarks=REMARKS,
+            notes=self._hurried(sides),
         )
 
 

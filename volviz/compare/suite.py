@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
@@ -31,7 +32,10 @@ def suite_groups() -> list[list[TechniqueInfo]]:
     return [[known[ident] for ident in group] for group in groups if len(group) > 1]
 
 
-def suite_volumes() -> Iterator[tuple[Volume, str | None]]:
-    """The bundled samples, one after the other, each with the preset that shows it well."""
-    for sample in samples():
-        yield load(f"sample:{sample.id}"), sample.preset
+def suite_volumes() -> list[Callable[[], tuple[Volume, str | None]]]:
+    """The bundled samples, each as a function that loads it and gives it with the preset that shows it well."""
+    return [partial(_loaded, f"sample:{sample.id}", sample.preset) for sample in samples()]
+
+
+def _loaded(source: str, preset: str | None) -> tuple[Volume, str | None]:
+    return load(source), preset

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
 #: Draws frame i of a side and gives the seconds it took, on the wall clock or as (wall clock, GPU clock).
 Draw = Callable[[int], "float | tuple[float, float]"]
-
-#: With a limit of time, at least so many rounds are made all the same.
-LEAST_ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -119,8 +116,9 @@ class FrameTimer:
         Measured frames of each side.
     warm_up : int, default: 1
         Frames of each side before them.
-    limit : float, optional
-        Seconds after which no further round begins, once there are three.
+    patience : float, optional
+        Seconds for the frames of each side: one for which the next frame would probably take longer than what is left
+        draws no more. Every side has one measured frame at least, be it the one that was meant for warming up.
     first : mapping of str to float, optional
         Times of the very first frames, to be kept with the others.
 
@@ -135,7 +133,7 @@ class FrameTimer:
         draws: Mapping[str, Draw],
         rounds: int = 7,
         warm_up: int = 1,
-        limit: float | None = None,
+        patience: float | None = None,
         first: Mapping[str, float] | None = None,
     ) -> None:
         if not draws:
@@ -145,28 +143,31 @@ class FrameTimer:
         self._draws = dict(draws)
         self._rounds = rounds
         self._warm_up = warm_up
-        self._limit = limit
+        self._patience = math.inf if patience is None else patience
         self._first = dict(first or {})
         self._seconds: dict[str, list[float]] = {name: [] for name in draws}
         self._gpu_seconds: dict[str, list[float]] = {name: [] for name in draws}
 
     def steps(self) -> Generator[float, None, None]:
         """Measure; gives the finished fraction, 0..1, after every frame."""
-        begin = time.perf_counter()
-        names = list(self._draws)
+        names, spent = list(self._draws), dict.fromkeys(self._draws, 0.0)
         rounds = self._warm_up + self._rounds
-        total, done = rounds * len(names), 0
+        tired: set[str] = set()
         for turn in range(rounds):
-            counted = turn - self._warm_up
-            late = self._limit is not None and time.perf_counter() - begin > self._limit
-            if late and counted >= LEAST_ROUNDS:
-                break
-            for name in names if turn % 2 == 0 else reversed(names):
+            order = names if turn % 2 == 0 else names[::-1]
+            drawn = [name for name in order if name not in tired]
+            for done, name in enumerate(drawn, 1):
                 taken = self._draws[name](turn)
-                if counted >= 0:
+                seconds = taken[0] if isinstance(taken, tuple) else taken
+                spent[name] += seconds
+                last = spent[name] + seconds > self._patience
+                if last:
+                    tired.add(name)
+                if turn >= self._warm_up or last:
                     self._keep(name, taken)
-                done += 1
-                yield done / total
+                yield 1.0 if len(tired) == len(names) else (turn + done / len(drawn)) / rounds
+            if len(tired) == len(names):
+                return
 
     def _keep(self, name: str, taken: float | tuple[float, float]) -> None:
         if isinstance(taken, tuple):
@@ -186,24 +187,24 @@ class FrameTimer:
 
 
 def time_frames(
-    draws: Mapping[str, Draw], rounds: int = 7, warm_up: int = 1, limit: float | None = None
+    draws: Mapping[str, Draw], rounds: int = 7, warm_up: int = 1, patience: float | None = None
 ) -> dict[str, FrameTimes]:
     """Frame times of all sides, measured at once; see `FrameTimer`."""
-    timer = FrameTimer(draws, rounds, warm_up, limit)
+    timer = FrameTimer(draws, rounds, warm_up, patience)
     for _ in timer.steps():
         pass
     return timer.times
 
 
 def stage_timer(
-    stages: Mapping[str, Stage], rounds: int = 7, warm_up: int = 1, limit: float | None = None
+    stages: Mapping[str, Stage], rounds: int = 7, warm_up: int = 1, patience: float | None = None
 ) -> FrameTimer:
     """A timer of off-screen stages, each frame from a slightly turned camera; the GPU's clock where it counts."""
     return FrameTimer(
         {name: _draw_of(stage) for name, stage in stages.items()},
         rounds,
         warm_up,
-        limit,
+        patience,
         {name: stage.first_seconds for name, stage in stages.items()},
     )
 

@@ -59,8 +59,28 @@ def test_progress_rises_to_one_and_a_stop_keeps_what_is_measured() -> None:
     assert list(FrameTimer({"a": lambda _: 1.0}, rounds=2).steps())[-1] == 1.0
 
 
-def test_a_limit_of_time_leaves_at_least_three_rounds() -> None:
-    assert len(time_frames({"a": lambda _: 1.0}, rounds=9, limit=-1.0)["a"].seconds) == 3
+def test_a_side_that_is_slow_draws_as_many_frames_as_there_is_time_for() -> None:
+    log: list[tuple[str, int]] = []
+    draws = {name: recorder(log, name, seconds) for name, seconds in (("fast", 0.5), ("slow", 4.0))}
+    times = time_frames(draws, rounds=9, warm_up=1, patience=13.0)
+    assert len(times["fast"].seconds) == 9
+    # one for warming up, then two: a fourth would end after 16 seconds
+    assert len(times["slow"].seconds) == 2
+    assert [frame for name, frame in log if name == "slow"] == [0, 1, 2]
+
+
+def test_a_frame_for_warming_up_counts_where_there_is_no_time_for_another() -> None:
+    timer = FrameTimer({"a": lambda _: (30.0, 20.0)}, rounds=9, warm_up=1, patience=15.0)
+    assert list(timer.steps()) == [1.0]
+    assert timer.times["a"].seconds == (30.0,)
+    assert timer.times["a"].gpu_seconds == (20.0,)
+
+
+def test_progress_never_goes_back_when_sides_drop_out() -> None:
+    timer = FrameTimer({"a": lambda _: 1.0, "b": lambda _: 5.0}, rounds=4, warm_up=1, patience=6.0)
+    fractions = list(timer.steps())
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 def test_times_without_frames_are_no_numbers_and_no_ratio() -> None:
