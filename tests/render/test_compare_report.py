@@ -94,8 +94,8 @@ def read(html: str) -> Reader:
 def test_the_page_holds_everything_and_needs_nothing_else(comparison: Comparison) -> None:
     reader = read(html_report([comparison]))
     words = " ".join(reader.words)
-    # four pictures, and difference, colour bar and similarity of six pairs
-    assert reader.tags.count("img") == 4 + 6 * 3
+    # four pictures, and difference and lost similarity of six pairs, each with its colour bar
+    assert reader.tags.count("img") == 4 + 6 * 4
     # times, convergence of pictures and of meshes
     assert reader.tags.count("svg") == 3
     assert all(reference.startswith("data:") for reference in reader.references)
@@ -106,6 +106,36 @@ def test_the_page_holds_everything_and_needs_nothing_else(comparison: Comparison
     assert "<b>&'name\"" in words
     assert "step is 0.5 in raycast, 1 in slicing." in words
     assert str(Path.home()) not in html_report([comparison])
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_every_cell_of_a_table_stands_under_a_head(comparison: Comparison, several: bool) -> None:
+    html = html_report([comparison] * (2 if several else 1))
+    tables = [part.split("</table>")[0] for part in html.split("<table>")[1:]]
+    assert len(tables) > 8
+    for table in tables:
+        heads = table.count("<th>") + table.count("<th ")
+        widths = {row.count("<td") for row in table.split("<tr")[1:]} - {0}
+        assert len(widths) == 1
+        assert heads in (0, *widths)
+
+
+def test_a_page_of_several_begins_with_an_overview_that_leads_to_each(comparison: Comparison) -> None:
+    html = html_report([comparison, comparison], ["engine: nothing could be drawn."])
+    start = html[: html.index('id="c0"')]
+    assert "engine: nothing could be drawn." in start
+    assert {part.split('"')[0] for part in start.split('href="#')[1:]} == {"c1"}
+    assert f"{comparison.pairs[0].metrics.psnr:.1f}" in start
+    assert all(f'id="{name}"' in html for name in ("c0", "c1"))
+
+
+def test_one_pixel_that_is_far_off_does_not_dim_the_map_of_differences() -> None:
+    view = make_view(size=(64, 48))
+    found = compare(view, [Side("raycast"), Side("raycast", {"step": 2.0})], frames=0)
+    shown = found.pairs[0].difference
+    assert 1.0 <= shown.limit < shown.values.max()
+    assert (shown.values > shown.limit).mean() < 0.0015
+    assert "≥" in html_report([found])
 
 
 def test_plots_are_sound_xml(comparison: Comparison) -> None:

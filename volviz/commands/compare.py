@@ -293,6 +293,7 @@ def _run_suite(options: argparse.Namespace, output: Path) -> int:
     groups = suite_groups()
     finished: list[Comparison] = []
     stopped, failed, total = False, None, len(volumes) * len(groups)
+    notes: list[str] = []
     with ProgressLine() as line:
         try:
             for number, loaded in enumerate(volumes):
@@ -310,6 +311,7 @@ def _run_suite(options: argparse.Namespace, output: Path) -> int:
                         line.clear()
                         print(f"volviz: {volume.name}, {group[0].id}: {error}", file=sys.stderr)
                         failed = error
+                        notes.append(f"{volume.name}: {group[0].id} could not be compared: {error}")
                         continue
                     assert work.result is not None
                     finished.append(work.result)
@@ -321,7 +323,9 @@ def _run_suite(options: argparse.Namespace, output: Path) -> int:
                 raise
     if not finished and failed is not None:
         raise failed
-    save_reports(finished, output)
+    if stopped:
+        notes.append(f"Stopped before the end: {len(finished)} of {total} comparisons are here.")
+    save_reports(finished, output, notes)
     print(
         f"{output}: {_count(len(finished), 'comparison')}"
         + (f" of {total}, stopped before the end" if stopped else "")

@@ -171,6 +171,11 @@ class Difference:
     picture: npt.NDArray[np.uint8]
 
 
+#: Share of the pixels that the colours of a map are meant for: single ones may lie far beyond.
+COLORED_SHARE = 0.999
+#: Loss of structural similarity that a map shows in its strongest colour at least.
+LEAST_LOSS = 0.01
+
 Kind = Literal["absolute", "signed"]
 Channel = Literal["rgb", "luminance", "red", "green", "blue"]
 KINDS: tuple[Kind, ...] = ("absolute", "signed")
@@ -242,6 +247,26 @@ def similarity_picture(values: Float64Array) -> npt.NDArray[np.uint8]:
     """A map of structural similarity in grey, shape (H, W, 3): white = 1, black = 0 and below."""
     grey = np.rint(255.0 * np.clip(values, 0.0, 1.0)).astype(np.uint8)
     return np.repeat(grey[..., None], 3, axis=-1)
+
+
+def dissimilarity_image(values: Float64Array) -> Difference:
+    """What is lost of structural similarity, 1 - SSIM, in the colours of an absolute difference.
+
+    Parameters
+    ----------
+    values : ndarray of shape (H, W)
+        From `ssim_map`.
+
+    Returns
+    -------
+    Difference
+        Its limit is the loss that one place in a thousand goes beyond, at least 0.01: what nobody sees shall not look
+        like much.
+    """
+    lost = np.maximum(1.0 - values, 0.0)
+    limit = max(float(np.quantile(lost, COLORED_SHARE)), LEAST_LOSS)
+    shown = color_table("absolute")[np.rint(255.0 * np.minimum(lost / limit, 1.0)).astype(int)]
+    return Difference(lost, limit, "absolute", np.ascontiguousarray(shown))
 
 
 def as_float(picture: Array) -> Float64Array:

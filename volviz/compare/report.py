@@ -37,11 +37,17 @@ def save_report(comparison: Comparison, path: str | Path) -> None:
     save_reports([comparison], path)
 
 
-def save_reports(comparisons: Sequence[Comparison], path: str | Path) -> None:
-    """Write several comparisons, as of a suite, into one report; see `save_report`."""
+def save_reports(comparisons: Sequence[Comparison], path: str | Path, notes: Sequence[str] = ()) -> None:
+    """Write several comparisons, as of a suite, into one report; see `save_report`.
+
+    `notes` are sentences on what is missing; they stand on the page.
+    """
     target = check_report_name(path)
     kind = target.suffix.lower()
-    text = {".html": html_report, ".json": json_report, ".csv": csv_report}[kind](comparisons)
+    if kind == ".html":
+        text = html_report(comparisons, notes)
+    else:
+        text = {".json": json_report, ".csv": csv_report}[kind](comparisons)
     try:
         # csv brings its own line ends
         target.write_text(text, encoding="utf-8", newline="" if kind == ".csv" else None)
@@ -65,9 +71,9 @@ def check_report_name(path: str | Path) -> Path:
     return target
 
 
-def html_report(comparisons: Sequence[Comparison]) -> str:
+def html_report(comparisons: Sequence[Comparison], notes: Sequence[str] = ()) -> str:
     """One page with pictures, differences, tables and plots; nothing outside it is needed."""
-    return page(comparisons)
+    return page(comparisons, notes)
 
 
 def json_report(comparisons: Sequence[Comparison]) -> str:

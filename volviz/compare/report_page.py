@@ -3,88 +3,92 @@
 from __future__ import annotations
 
 import base64
-import io
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
 
 from volviz.compare.convergence import LEVELS, Convergence
 from volviz.compare.matching import in_words
 from volviz.compare.mesh_metrics import MeshMetrics
-from volviz.compare.pictures import color_table
+from volviz.compare.pictures import Difference, color_table
 from volviz.compare.plots import convergence_plot, times_plot
+from volviz.compare.report_html import (
+    bullets,
+    color_bar,
+    facts,
+    figure,
+    plot,
+    table,
+    tiles,
+    without_empty,
+)
+from volviz.compare.report_overview import overview
 from volviz.compare.results import Comparison, PairResult, SideResult
 from volviz.compare.timing import ratio
 
 STYLE = Path(__file__).with_name("report_page.css")
-#: Numbers stand to the right.
-NUMBER = ' class="number"'
+#: Techniques that a title names; of more it tells the number.
+NAMED = 4
 
 
-def page(comparisons: Sequence[Comparison]) -> str:
-    """The whole page, without references to anything outside it."""
-    title = comparisons[0].title if len(comparisons) == 1 else "Comparison of techniques"
+def page(comparisons: Sequence[Comparison], notes: Sequence[str] = ()) -> str:
+    """The whole page, without references to anything outside it.
+
+    Parameters
+    ----------
+    comparisons : sequence of Comparison
+        Several are headed by an overview.
+    notes : sequence of str
+        What is missing on the page, a sentence each.
+    """
+    several = len(comparisons) > 1
+    title = "Comparison of techniques" if several else comparisons[0].title
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        # browsers ask for an icon otherwise
+        '<link rel="icon" href="data:,">',
         f"<title>{escape(title)}</title>",
         f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head><body>",
     ]
-    if len(comparisons) > 1:
-        parts += [f"<h1>{escape(title)}</h1>", *_contents(comparisons)]
+    if several:
+        parts += [f"<h1>{escape(title)}</h1>", *overview(comparisons)]
+    if notes:
+        parts.append(bullets(notes))
     for number, comparison in enumerate(comparisons):
-        parts += _comparison(comparison, number)
+        parts += _comparison(comparison, number, several)
     last = comparisons[-1]
-    parts += ["<h2>Machine and versions</h2>", _facts(last.machine), _facts(last.versions)]
-    parts += ["<h2>How this was made</h2>", _bullets(last.remarks)]
+    parts += [
+        "<h2>Machine and versions</h2>",
+        '<div class="columns">',
+        facts(last.machine),
+        facts(last.versions),
+    ]
+    parts += ["</div>", "<h2>How this was made</h2>", bullets(last.remarks)]
     for command in dict.fromkeys(c.command for c in comparisons if c.command):
         parts.append(f"<pre>{escape(command)}</pre>")
     parts.append("</body></html>")
     return "\n".join(parts) + "\n"
 
 
-def _contents(comparisons: Sequence[Comparison]) -> list[str]:
-    """A table of all pairs of all comparisons: what a suite is read for."""
-    rows = [
-        [
-            f'<a href="#c{number}">{escape(str(c.volume["name"]))}</a>',
-            escape(f"{pair.first}, {pair.second}"),
-            _decibels(pair.metrics.psnr),
-            f"{pair.metrics.ssim:.4f}",
-            f"{pair.metrics.max_difference:.0f}",
-            _ratio(c, pair),
-        ]
-        for number, c in enumerate(comparisons)
-        for pair in c.pairs
-    ]
-    return [
-        _table(
-            ["volume", "techniques", "PSNR", "SSIM", "largest difference", "time, second / first"], rows, 2
-        )
-    ]
-
-
-def _comparison(comparison: Comparison, number: int) -> list[str]:
+def _comparison(comparison: Comparison, number: int, several: bool) -> list[str]:
     volume = comparison.volume
-    size = " x ".join(str(n) for n in volume["dimensions"])
-    spacing = " x ".join(f"{s:g}" for s in volume["spacing"])
+    size = " × ".join(str(n) for n in volume["dimensions"])
+    spacing = " × ".join(f"{s:.4g}" for s in volume["spacing"])
     low, high = volume["range"]
     unit = f" {volume['unit']}" if volume.get("unit") else ""
     width, height = comparison.view["size"]
     parts = [
-        f'<h1 id="c{number}">{escape(comparison.title)}</h1>',
+        f'<h1 id="c{number}"{" class=next" if several else ""}>{escape(_title(comparison))}</h1>',
         (
             f'<p class="faint">{escape(str(volume["name"]))}: {size} voxels, {escape(volume["dtype"])}, '
-            f"spacing {spacing}, values {low:g} to {high:g}{escape(unit)}; pictures of {width} x {height} "
+            f"spacing {spacing}, values {low:g} to {high:g}{escape(unit)}; pictures of {width} × {height} "
             "pixels.</p>"
         ),
+        *([] if len(comparison.pairs) != 1 else [_summary(comparison, comparison.pairs[0])]),
         '<div class="pictures">',
         *(_side_figure(side) for side in comparison.sides),
         "</div>",
@@ -98,13 +102,40 @@ def _comparison(comparison: Comparison, number: int) -> list[str]:
     return parts
 
 
+def _title(comparison: Comparison) -> str:
+    """As it was given; too many names become a number."""
+    sides = comparison.sides
+    names = ", ".join(side.name for side in sides[:-1])
+    usual = f"{names} and {sides[-1].name} on {comparison.volume['name']}"
+    if comparison.title != usual or len(sides) <= NAMED:
+        return comparison.title
+    return f"{len(sides)} techniques on {comparison.volume['name']}"
+
+
+def _summary(comparison: Comparison, pair: PairResult) -> str:
+    """The figures that everybody asks for first."""
+    m = pair.metrics
+    shown = [
+        (_decibels(m.psnr), "PSNR"),
+        (f"{m.ssim:.4f}", "structural similarity"),
+        (f"{m.max_difference:.0f}", "largest difference of 255"),
+        (f"{100 * m.visible_share:.2f} %", "pixels off by more than 2"),
+    ]
+    factor = _ratio(comparison, pair)
+    if factor:
+        shown.append((f"{factor} ×", f"time of {pair.second}, compared with {pair.first}"))
+    if pair.distance is not None:
+        shown.append((f"{pair.distance.hausdorff:.3g}", "Hausdorff distance (world)"))
+    return tiles(shown)
+
+
 def _side_figure(side: SideResult) -> str:
     caption = f"<b>{escape(side.name)}</b> · {escape(side.label)}"
     if side.times is not None and side.times.seconds:
         caption += f" · {_milliseconds(side.times.median)}"
     if side.notice:
         caption += f"<br>{escape(side.notice)}"
-    return _figure(side.picture, f"drawn by {side.name}", caption)
+    return figure(side.picture, f"drawn by {side.name}", caption)
 
 
 def _pair_table(comparison: Comparison) -> str:
@@ -129,33 +160,39 @@ def _pair_table(comparison: Comparison) -> str:
         "mean difference",
         "largest difference",
         "pixels off by > 2",
-        "time ratio",
+        "shift right, down",
+        "time, second / first",
     ]
-    return _table(heads, rows, 1)
+    return table(heads, rows, 1)
 
 
 def _pair(pair: PairResult) -> list[str]:
     name = f"{pair.first}, {pair.second}"
     column, row = pair.metrics.max_position
-    bar = (
-        f'<div class="bar">0<img alt="colours from 0 to {pair.difference.limit:.1f} levels" '
-        f'src="{_data_uri(color_table(pair.difference.kind)[None])}">{pair.difference.limit:.1f}</div>'
-    )
+    bar = _bar(pair.difference, "levels")
     return [
         f"<h3>{escape(pair.first)} against {escape(pair.second)}</h3>",
         '<div class="pictures">',
-        _figure(
+        figure(
             pair.difference.picture, f"difference of {name}",
             f"Absolute difference of luminance, in levels of 255; the largest difference of a channel lies at pixel "
             f"{column}, {row}.{bar}",
         ),
-        _figure(
-            pair.similarity, f"similarity of {name}",
-            f"Structural similarity {pair.metrics.ssim:.5f}: white is equal, black is unlike.",
+        figure(
+            pair.dissimilarity.picture, f"lost similarity of {name}",
+            f"1 - structural similarity: black is equal; the mean "
+            f"similarity is {pair.metrics.ssim:.5f}.{_bar(pair.dissimilarity, 'of similarity')}",
         ),
         "</div>",
-        _bullets(pair.differences) if pair.differences else '<p class="faint">All shared settings are equal.</p>',
+        bullets(pair.differences) if pair.differences else '<p class="faint">All shared settings are equal.</p>',
     ]  # fmt: skip
+
+
+def _bar(shown: Difference, unit: str) -> str:
+    beyond = "≥ " if shown.values.max() > shown.limit * (1 + 1e-9) else ""
+    return color_bar(
+        color_table(shown.kind), "0", f"{beyond}{shown.limit:.3g}", f"colours from 0 to {shown.limit:.3g} {unit}"
+    )  # fmt: skip
 
 
 def _times(comparison: Comparison) -> list[str]:
@@ -185,8 +222,13 @@ def _times(comparison: Comparison) -> list[str]:
         f"ratio to {base.name}",
         "frames",
     ]
-    notes = [_bullets(comparison.notes)] if comparison.notes else []
-    return ["<h2>Frame times</h2>", _table(heads, _without_empty(heads, rows), 1), times_plot(times), *notes]
+    notes = [bullets(comparison.notes)] if comparison.notes else []
+    return [
+        "<h2>Frame times</h2>",
+        table(heads, without_empty(heads, rows), 1),
+        plot(times_plot(times)),
+        *notes,
+    ]
 
 
 def _samples(comparison: Comparison) -> list[str]:
@@ -204,7 +246,7 @@ def _samples(comparison: Comparison) -> list[str]:
     if not rows:
         return []
     heads = ["technique", "mean", "most", "distance of samples (world)", "rays that meet the box"]
-    return ["<h2>Samples per ray</h2>", _table(heads, rows, 1)]
+    return ["<h2>Samples per ray</h2>", table(heads, rows, 1)]
 
 
 def _meshes(comparison: Comparison) -> list[str]:
@@ -214,14 +256,14 @@ def _meshes(comparison: Comparison) -> list[str]:
     rows = [[escape(name), *_mesh_cells(mesh)] for name, mesh in shown]
     heads = ["technique", "triangles", "vertices", "area", "volume", "Euler characteristic", "open edges",
              "non-manifold edges", "parts"]  # fmt: skip
-    parts = ["<h2>Meshes</h2>", _table(heads, rows, 1)]
+    parts = ["<h2>Meshes</h2>", table(heads, rows, 1)]
     distances = [
         [escape(f"{p.first}, {p.second}"), f"{p.distance.hausdorff:.4g}", f"{p.distance.mean:.4g}"]
         for p in comparison.pairs
         if p.distance is not None
     ]
     if distances:
-        parts.append(_table(["meshes", "Hausdorff distance (world)", "mean distance"], distances, 1))
+        parts.append(table(["meshes", "Hausdorff distance (world)", "mean distance"], distances, 1))
     return parts
 
 
@@ -241,10 +283,12 @@ def _convergence(comparison: Comparison) -> list[str]:
             escape(c.name),
             escape(c.parameter),
             "none" if math.isnan(c.slope) else f"{c.slope:.2f}",
-            ", ".join(f"{d:.3g}: {e:.3g}" for d, e in zip(c.distances, c.errors, strict=True)),
+            '<div class="long">'
+            + ", ".join(f"{d:.3g}: {e:.3g}" for d, e in zip(c.distances, c.errors, strict=True))
+            + "</div>",
             escape(c.reference),
             "" if c.offset is None else f"{c.offset:.3g} from {escape(c.offset_from)}",
-            "" if c.unit != LEVELS else "{} x {}".format(*c.size),
+            "" if c.unit != LEVELS else "{}\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}{}".format(*c.size),
         ]
         for c in found
     ]
@@ -257,13 +301,13 @@ def _convergence(comparison: Comparison) -> list[str]:
         "how far the converged picture is off",
         "pixels",
     ]
-    rows = _without_empty(heads, rows)
+    rows = without_empty(heads, rows)
     parts = ["<h2>Convergence</h2>", *(f"<p>{escape(words)}</p>" for words in _about_convergence(found))]
     units = dict.fromkeys(c.unit for c in found)
-    parts += [convergence_plot([c for c in found if c.unit == unit]) for unit in units]
+    parts += [plot(convergence_plot([c for c in found if c.unit == unit])) for unit in units]
     if found:
-        parts.append(_table(heads, rows))
-    return [*parts, _bullets(comparison.without_curve)] if comparison.without_curve else parts
+        parts.append(table(heads, rows))
+    return [*parts, bullets(comparison.without_curve)] if comparison.without_curve else parts
 
 
 def _about_convergence(found: Sequence[Convergence]) -> list[str]:
@@ -281,8 +325,8 @@ def _about_convergence(found: Sequence[Convergence]) -> list[str]:
         )
     if any(c.finest > 0 for c in found):
         words.append(
-            "Where a technique is measured against its own finest result at distance h0, the line that is fitted is "
-            "c (h^p - h0^p): the order p is that of the error against the limit."
+            "Where a technique is measured against its own finest result at distance h₀, the line that is fitted is "
+            "c (hᵖ − h₀ᵖ): the order p is that of the error against the limit."
         )
     return words
 
@@ -294,7 +338,7 @@ def _settings(sides: Sequence[SideResult]) -> str:
         values = [in_words(side.settings[name]) if name in side.settings else "–" for side in sides]
         rows.append([escape(name), *map(escape, values)])
         marks.append(len({v for v in values if v != "–"}) > 1)
-    return _table(["setting", *(side.name for side in sides)], rows, marks=marks)
+    return table(["setting", *(side.name for side in sides)], rows, marks=marks)
 
 
 def _view(comparison: Comparison) -> str:
@@ -302,7 +346,7 @@ def _view(comparison: Comparison) -> str:
     data = json.dumps(comparison.to_dict()["transfer_function"], separators=(",", ":"))
     uri = "data:application/json;base64," + base64.b64encode(data.encode()).decode()
     link = f'<p><a download="transfer-function.json" href="{uri}">Transfer function as JSON</a></p>'
-    return "<h3>View</h3>" + _facts({key: in_words(value) for key, value in view.items()}) + link
+    return "<h3>View</h3>" + facts({key: in_words(value) for key, value in view.items()}) + link
 
 
 def _ratio(comparison: Comparison, pair: PairResult) -> str:
@@ -318,51 +362,3 @@ def _decibels(value: float) -> str:
 
 def _milliseconds(seconds: float) -> str:
     return f"{1000 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.2f} s"
-
-
-def _figure(picture: npt.NDArray[np.uint8], alternative: str, caption: str) -> str:
-    return (
-        f'<figure><img alt="{escape(alternative)}" src="{_data_uri(picture)}">'
-        f"<figcaption>{caption}</figcaption></figure>"
-    )
-
-
-def _data_uri(picture: npt.NDArray[np.uint8]) -> str:
-    from PIL import Image
-
-    file = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(picture)).save(file, "PNG", optimize=True)
-    return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode()
-
-
-def _facts(facts: Any) -> str:
-    return _table([], [[escape(str(name)), escape(str(value))] for name, value in facts.items()])
-
-
-def _bullets(sentences: Iterable[str]) -> str:
-    return "<ul>" + "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences) + "</ul>"
-
-
-def _without_empty(heads: list[str], rows: list[list[str]]) -> list[list[str]]:
-    """Rows without the columns in which nothing stands; their heads are taken away as well."""
-    empty = [i for i in range(len(heads)) if not any(row[i] for row in rows)]
-    for i in reversed(empty):
-        del heads[i]
-    return [[cell for i, cell in enumerate(row) if i not in empty] for row in rows]
-
-
-def _table(
-    heads: Sequence[str], rows: Sequence[Sequence[str]], numbers_from: int = 99, marks: Sequence[bool] = ()
-) -> str:
-    """A table; cells are HTML already, heads are text; columns from `numbers_from` on hold numbers."""
-    parts = ['<div class="wide"><table>']
-    if heads:
-        cells = (
-            f"<th{NUMBER if i >= numbers_from else ''}>{escape(head)}</th>" for i, head in enumerate(heads)
-        )
-        parts.append("<tr>" + "".join(cells) + "</tr>")
-    for number, row in enumerate(rows):
-        mark = ' class="differs"' if number < len(marks) and marks[number] else ""
-        filled = (f"<td{NUMBER if i >= numbers_from else ''}>{cell}</td>" for i, cell in enumerate(row))
-        parts.append(f"<tr{mark}>" + "".join(filled) + "</tr>")
-    return "\n".join([*parts, "</table></div>"])

@@ -69,8 +69,8 @@ class PairResult:
     metrics : PictureMetrics
     difference : Difference
         The absolute difference of luminance, drawn.
-    similarity : ndarray of shape (H, W, 3), uint8
-        Map of structural similarity: white is equal.
+    dissimilarity : Difference
+        Map of what is lost of structural similarity, drawn.
     differences : tuple of str
         What the two do differently, a sentence each.
     distance : SurfaceDistance or None
@@ -81,7 +81,7 @@ class PairResult:
     second: str
     metrics: PictureMetrics
     difference: Difference
-    similarity: npt.NDArray[np.uint8]
+    dissimilarity: Difference
     differences: tuple[str, ...] = ()
     distance: SurfaceDistance | None = None
 

@@ -8,13 +8,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from volviz.compare.convergence import Convergence, ConvergenceRun
 from volviz.compare.convergence_studies import study, why_not
 from volviz.compare.machine import machine_facts, version_facts
 from volviz.compare.matching import MatchedSide, match_sides, settings_differences
 from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.compare.meshes import Mesh, side_mesh
-from volviz.compare.pictures import compare_pictures, difference_image, similarity_picture, ssim_map
+from volviz.compare.pictures import (
+    COLORED_SHARE,
+    Difference,
+    compare_pictures,
+    difference_image,
+    dissimilarity_image,
+    ssim_map,
+)
 from volviz.compare.results import Comparison, PairResult, SideResult, picture_pairs
 from volviz.compare.samples import ray_samples
 from volviz.compare.stage import Stage, View
@@ -184,8 +194,8 @@ class ComparisonRun:
             first.name,
             second.name,
             compare_pictures(first.picture, second.picture),
-            difference_image(first.picture, second.picture),
-            similarity_picture(ssim_map(first.picture, second.picture)),
+            _shown_difference(first.picture, second.picture),
+            dissimilarity_image(ssim_map(first.picture, second.picture)),
             tuple(words),
             self._distance(first.name, second.name),
         )
@@ -240,6 +250,13 @@ class ComparisonRun:
             remarks=REMARKS,
             notes=self._hurried(sides),
         )
+
+
+def _shown_difference(first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8]) -> Difference:
+    """The absolute difference in colours that one pixel in a thousand goes beyond, so that a single one dims nothing."""
+    whole = difference_image(first, second)
+    limit = max(float(np.quantile(whole.values, COLORED_SHARE)), 1.0)
+    return whole if limit >= whole.limit else difference_image(first, second, limit=limit)
 
 
 def shown_value(parameter: Parameter, value: Any) -> Any:
