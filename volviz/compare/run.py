@@ -253,7 +253,7 @@ class ComparisonRun:
 
 
 def _shown_difference(first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8]) -> Difference:
-    """The absolute difference in colours that one pixel in a thousand goes beyond, so that a single one dims nothing."""
+    """The absolute difference in colours that one pixel in a thousand goes beyond: a single one dims nothing."""
     whole = difference_image(first, second)
     limit = max(float(np.quantile(whole.values, COLORED_SHARE)), 1.0)
     return whole if limit >= whole.limit else difference_image(first, second, limit=limit)
