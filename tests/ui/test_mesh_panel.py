@@ -102,7 +102,7 @@ def test_filters_change_the_mesh_and_are_steps_of_the_history(meshes: MainWindow
 def test_work_on_the_mesh_is_shown_and_can_be_given_up(
     meshes: MainWindow, wait_for: Wait, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from volviz.custom_gl.host import handle
+    from volviz.custom_gl.host import frames
 
     def endless(*_: Any, progress: Any, cancel: Any, **__: Any) -> Any:
         progress(0.5)
@@ -113,7 +113,7 @@ def test_work_on_the_mesh_is_shown_and_can_be_given_up(
     from volviz.errors import Cancelled
 
     handle_cancelled = Cancelled("The work on the mesh was cancelled.")
-    monkeypatch.setattr(handle, "filter_triangles", endless)
+    monkeypatch.setattr(frames, "filter_triangles", endless)
     before, shown = meshes.surface.facts, meshes.technique_panel.surface
     change(meshes, "smoothing", 30)
     wait_for(lambda: not shown.work.isHidden() and shown.bar.value() > 500)

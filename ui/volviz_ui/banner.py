@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QProgressBar, QPushButton, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from volviz_ui.icons import icon
+from volviz_ui.progress_bar import ProgressBar
 
 MARGIN = 12
 WIDTH = 460
@@ -25,9 +26,8 @@ class Banner(QFrame):
         self.picture = QLabel(self)
         self.words = QLabel(self)
         self.words.setWordWrap(True)
-        self.bar = QProgressBar(self)
-        self.bar.setTextVisible(False)
-        self.bar.setFixedSize(QSize(110, 8))
+        self.bar = ProgressBar(self)
+        self.bar.setFixedWidth(110)
         self.details = QPushButton(self.tr("Details"), self)
         self.details.setToolTip(self.tr("Show what exactly went wrong"))
         self.stop = QPushButton(self.tr("Cancel"), self)
@@ -61,8 +61,7 @@ class Banner(QFrame):
         if fraction < 0:
             self.bar.setRange(0, 0)
         else:
-            self.bar.setRange(0, 1000)
-            self.bar.setValue(round(1000 * fraction))
+            self.bar.show_fraction(fraction)
 
     def show_error(self, words: str) -> None:
         """Say in one sentence what went wrong."""

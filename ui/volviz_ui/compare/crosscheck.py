@@ -17,7 +17,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QHeaderView,
     QLabel,
-    QProgressBar,
     QPushButton,
     QSplitter,
     QTableWidget,
@@ -35,6 +34,7 @@ from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import quiet_label
 from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.workers import Task, Workers
 
 if TYPE_CHECKING:
@@ -104,10 +104,8 @@ class CrosscheckPanel(QWidget):
         self.run = QPushButton(self.tr("Compare with VTK"), self)
         self.run.setToolTip(self.tr("Extract by us, vtkMarchingCubes and vtkFlyingEdges3D, and compare"))
         self.run.clicked.connect(self.start)
-        self.bar = QProgressBar(self)
-        self.bar.setRange(0, 1000)
-        self.bar.setTextVisible(False)
-        self.bar.setFixedSize(120, 8)
+        self.bar = ProgressBar(self)
+        self.bar.setFixedWidth(120)
         self.bar.setAccessibleName(self.tr("Progress of the cross-check"))
         self.stop = QPushButton(self.tr("Cancel"), self)
         self.stop.setToolTip(self.tr("Give the cross-check up at its next step"))
@@ -186,7 +184,7 @@ class CrosscheckPanel(QWidget):
             self._show_running(False)
 
     def _on_progressed(self, fraction: float, _text: str) -> None:
-        self.bar.setValue(round(1000 * fraction))
+        self.bar.show_fraction(fraction)
 
     def _on_succeeded(self, report: CrosscheckReport) -> None:
         self._task = None
@@ -200,7 +198,7 @@ class CrosscheckPanel(QWidget):
 
     def _show_running(self, on: bool) -> None:
         self.bar.setVisible(on)
-        self.bar.setValue(0)
+        self.bar.show_fraction(0.0)
         self.stop.setVisible(on)
         self.run.setEnabled(not on and self._volume is not None)
 

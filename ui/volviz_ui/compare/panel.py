@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QProgressBar, QPushButton, QWidget
+from PySide6.QtWidgets import QPushButton, QWidget
 
 from volviz.compare.timing import FrameTimes, ratio
 from volviz.model.scene import Store
@@ -17,6 +17,7 @@ from volviz_ui.compare.figure_table import FigureTable
 from volviz_ui.compare.figures import PairFigures
 from volviz_ui.compare.look_section import LookSection
 from volviz_ui.panels.panel import Panel, Section, quiet_label
+from volviz_ui.progress_bar import ProgressBar
 
 if TYPE_CHECKING:
     from volviz_ui.compare.commands import CompareCommands
@@ -166,10 +167,7 @@ class ComparePanel(Panel):
         self.open_button.hide()
         self.work = quiet_label("", self)
         self.work.setWordWrap(True)
-        self.bar = QProgressBar(self)
-        self.bar.setTextVisible(False)
-        self.bar.setRange(0, 1000)
-        self.bar.setFixedHeight(8)
+        self.bar = ProgressBar(self)
         self.bar.setAccessibleName(self.tr("Progress of the report or of the convergence"))
         self.cancel_button = QPushButton(self.tr("Cancel"), self)
         self.cancel_button.setToolTip(self.tr("Give up what is being drawn and measured"))
@@ -189,7 +187,7 @@ class ComparePanel(Panel):
         self.work.setVisible(running)
         self.work.setText(words or self.tr("Starting…"))
         if fraction is not None:
-            self.bar.setValue(round(1000 * fraction))
+            self.bar.show_fraction(fraction)
             self.open_button.hide()
         self.report_button.setEnabled(self._several and not running)
         self.convergence_button.setEnabled(self._several and not running)

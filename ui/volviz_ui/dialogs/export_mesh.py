@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QLabel,
     QMessageBox,
-    QProgressBar,
     QVBoxLayout,
     QWidget,
 )
@@ -21,6 +20,7 @@ from volviz.mesh_files import FORMAT_NAMES, check_mesh_target, save_mesh
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import quiet_label
+from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.surface import SurfaceFacts
 from volviz_ui.workers import Task, Workers
 
@@ -81,10 +81,7 @@ class ExportMeshDialog(QDialog):
             )
         )
         hint.setWordWrap(True)
-        self.bar = QProgressBar(self)
-        self.bar.setTextVisible(False)
-        self.bar.setRange(0, 1000)
-        self.bar.setFixedHeight(8)
+        self.bar = ProgressBar(self)
         self.bar.setAccessibleName(self.tr("Progress"))
         keeps = self.bar.sizePolicy()
         keeps.setRetainSizeWhenHidden(True)
@@ -151,13 +148,13 @@ class ExportMeshDialog(QDialog):
             ),
             label=self.tr("Writing %1").replace("%1", Path(path).name),
         )  # fmt: skip
-        self._task.progressed.connect(lambda fraction, _text: self.bar.setValue(round(1000 * fraction)))
+        self._task.progressed.connect(lambda fraction, _text: self.bar.show_fraction(fraction))
         self._task.succeeded.connect(lambda _nothing: self._on_saved(path))
         self._task.failed.connect(self._on_failed)
 
     def _show_writing(self, on: bool) -> None:
         self.bar.setVisible(on)
-        self.bar.setValue(0)
+        self.bar.show_fraction(0.0)
         self.save_button.setEnabled(not on)
         self.format.setEnabled(not on)
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
 from volviz_ui.icons import set_icon
 from volviz_ui.panels.panel import Section
+from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.surface import SurfaceFacts
 
 NOTHING = "–"
@@ -49,10 +50,7 @@ class SurfaceSection(Section):
         self.rows.setColumnMinimumWidth(0, 112)
 
         self.work = QWidget(self)
-        self.bar = QProgressBar(self.work)
-        self.bar.setTextVisible(False)
-        self.bar.setFixedHeight(8)
-        self.bar.setRange(0, 1000)
+        self.bar = ProgressBar(self.work)
         self.bar.setAccessibleName(self.tr("Progress of the mesh"))
         self.bar.setToolTip(self.tr("How far the mesh is; the last one is shown meanwhile"))
         self.stop = QPushButton(self.tr("Cancel"), self.work)
@@ -87,7 +85,7 @@ class SurfaceSection(Section):
         """Show how far the mesh in work is, None for none."""
         self.work.setVisible(fraction is not None)
         if fraction is not None:
-            self.bar.setValue(round(1000 * fraction))
+            self.bar.show_fraction(fraction)
 
 
 def words_of(facts: SurfaceFacts | None) -> dict[str, str]:

@@ -84,7 +84,7 @@ class SplatStore:
         self._selected: tuple[Any, Packed] | None = None
         self._thread: threading.Thread | None = None
 
-    def get(self, wanted: Wanted, *, wait: bool) -> Ready:
+    def get(self, wanted: Wanted, *, wait: bool, patience: float | None = None) -> Ready | None:
         """The splats, or what there was before as long as they are not ready.
 
         Parameters
@@ -93,6 +93,8 @@ class SplatStore:
             What is to be drawn.
         wait : bool
             Come back with these splats only. Without others that may be shown meanwhile they are waited for anyway.
+        patience : float, optional
+            Seconds to wait for them before None is given; the default is to wait for as long as it takes.
         """
         while self.ready is None or self.ready.wanted.key != wanted.key:
             if self._thread is None:
@@ -100,22 +102,27 @@ class SplatStore:
             elif self._thread.is_alive() and not wait and self.ready is not None:
                 if wanted.may_follow(self.ready.wanted):
                     break
-                self._end()
-            else:
-                self._end()
+                if not self._end(patience):
+                    return None
+            elif not self._end(patience):
+                return None
         return self.ready
 
     def _begin(self, wanted: Wanted) -> None:
         self._thread = threading.Thread(target=self._work, args=(wanted,), name="volviz-splats", daemon=True)
         self._thread.start()
 
-    def _end(self) -> None:
+    def _end(self, patience: float | None = None) -> bool:
+        """Wait for the thread; False when it needs longer."""
         if self._thread is not None:
-            self._thread.join()
+            self._thread.join(patience)
+            if self._thread.is_alive():
+                return False
             self._thread = None
         if self.error is not None:
             error, self.error = self.error, None
             raise error
+        return True
 
     def _work(self, wanted: Wanted) -> None:
         try:

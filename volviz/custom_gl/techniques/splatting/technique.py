@@ -23,6 +23,8 @@ _HERE = Path(__file__).parent
 BLOCK = 65536
 #: Rows of the picture that one chunk of the blur covers.
 STRIP = 64
+#: Seconds for which splats that are being made are waited for before something else has its turn.
+PATIENCE = 0.01
 #: Splats that are drawn in any case while something moves.
 FEWEST_SPLATS = 20000
 #: Lattice of translucent splats while something moves.
@@ -81,12 +83,14 @@ class Splatting:
     # ------------------------------------------------------------------ planning
 
     def plan(self, frame: Frame) -> int:
-        """Blocks of splats, then strips of the blur."""
+        """Blocks of splats, then strips of the blur; 0 while splats are being made."""
         self._pool = frame.gpu.targets
         if not frame.tiles:
             self._layout = _Layout()
             return 1
         ready = self._splats(frame)
+        if ready is None:
+            return 0
         self._upload(frame, ready)
         self._layout = self._arrange(frame, ready)
         if not self._translucent(frame):
@@ -97,7 +101,7 @@ class Splatting:
     def _translucent(self, frame: Frame) -> bool:
         return bool(frame.settings.footprint == "gaussian")
 
-    def _splats(self, frame: Frame) -> Ready:
+    def _splats(self, frame: Frame) -> Ready | None:
         settings, volume = frame.settings, frame.volume
         translucent = self._translucent(frame)
         isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
@@ -114,7 +118,7 @@ class Splatting:
         # a cut lays bare what would be hidden
         cull = not translucent and whole and not frame.planes
         wanted = Wanted(volume, float(isovalue), per_axis, cull, eye)
-        return self._stores[coarse].get(wanted, wait=not frame.interactive)
+        return self._stores[coarse].get(wanted, wait=not frame.interactive, patience=PATIENCE)
 
     def _upload(self, frame: Frame, ready: Ready) -> None:
         if self._held is ready:
