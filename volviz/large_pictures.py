@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.errors import InputError
 from volviz.model.camera import Camera
 from volviz.model.volume import Volume
-from volviz.offscreen import MAX_SIZE, apply_camera
+from volviz.offscreen import apply_camera, checked_size
 
 #: Pictures up to this edge are one part; larger ones are cut into parts of `PART` pixels an edge. A part is held as
 #: 32-bit floats with depth, which a whole picture of 16384 x 16384 pixels would need 5 GB for.
@@ -58,12 +57,7 @@ class PictureInPieces:
         from volviz.custom_gl.host import add_volume
         from volviz.custom_gl.host.vtk_border import pyvista
 
-        width, height = size
-        if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
-            raise InputError(
-                f"size must lie between 1 and {MAX_SIZE} pixels each way, got {width} x {height}."
-            )
-        self.size = size
+        self.size = width, height = checked_size(size)
         edge = (width, height) if max(size) <= whole else (min(part, width), min(part, height))
         self._edge = edge
         self._corners = [(x, y) for y in range(0, height, edge[1]) for x in range(0, width, edge[0])]

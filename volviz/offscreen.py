@@ -71,7 +71,7 @@ def render(
     """
     if dtype not in ("uint8", "float32"):
         raise InputError(f'dtype of a picture is "uint8" or "float32", got {dtype!r}.')
-    width, height = _checked_size(size)
+    width, height = checked_size(size)
     color = background_color(background)
     view = None if camera is None else Camera.coerce(camera)
     premultiplied = _draw(
@@ -142,7 +142,14 @@ def _draw(
         plotter.close()
 
 
-def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
+def checked_size(size: Sequence[int]) -> tuple[int, int]:
+    """Width and height of a picture in pixels.
+
+    Raises
+    ------
+    InputError
+        Not two numbers, or more than `MAX_SIZE`.
+    """
     try:
         width, height = (int(n) for n in size)
     except (TypeError, ValueError):

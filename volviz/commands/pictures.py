@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from volviz.model.volume import Volume
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
-MAX_SIZE = 16384
 #: These hold no transparency.
 OPAQUE_SUFFIXES = (".jpg", ".jpeg", ".bmp")
 
@@ -126,13 +125,13 @@ def draw(
 
 def parse_size(text: str) -> tuple[int, int]:
     """Width and height from "1200x900"."""
+    from volviz.offscreen import checked_size
+
     try:
         width, height = (int(part) for part in text.lower().replace(",", "x").split("x"))
     except ValueError:
         raise InputError(f"--size takes width and height such as 1200x900, got {text!r}.") from None
-    if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
-        raise InputError(f"--size must lie between 1 and {MAX_SIZE} pixels each way, got {text}.")
-    return width, height
+    return checked_size((width, height))
 
 
 def parse_values(info: TechniqueInfo, texts: Iterable[str], *, lenient: bool = False) -> dict[str, Any]:

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
+from volviz.custom_gl.splat_selection import splats_of
 from volviz.custom_gl.techniques.splatting.order import Eye, back_to_front, shuffled
-from volviz.kernels.splats import select_splats
 from volviz.model.volume import Volume
 
 #: Floats per splat: voxel index (3), normal (3), fraction of the data range (1).
@@ -149,18 +148,7 @@ def pack(wanted: Wanted) -> Packed:
     """Select splats: rows of voxel index, unit normal in the world and fraction of the data range."""
     volume = wanted.volume
     low, high = volume.range
-    bricks = bricks_of(volume)
-    splats = select_splats(
-        volume.array,
-        wanted.isovalue,
-        spacing=volume.spacing,
-        direction=volume.direction,
-        splats_per_axis=wanted.per_axis,
-        cull_interior=wanted.cull,
-        bricks=(bricks.low, bricks.high),
-        brick=BRICK,
-        lowest=low,
-    )
+    splats = splats_of(volume, wanted.isovalue, wanted.per_axis, cull=wanted.cull)
     packed = np.empty((len(splats.values), FLOATS), np.float32)
     packed[:, :3] = splats.positions
     packed[:, 3:6] = splats.normals

@@ -13,6 +13,7 @@ import numpy as np
 from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.splat_selection import SIGMA_PER_DIAMETER, lattice_steps
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.splatting.store import Ready, SplatStore, Wanted
 from volviz.model.auto_isovalue import auto_isovalue
@@ -29,8 +30,6 @@ PATIENCE = 0.01
 FEWEST_SPLATS = 20000
 #: Lattice of translucent splats while something moves.
 COARSE_LATTICE = 48
-#: Standard deviation of a Gaussian footprint as a share of the splat's diameter: 0.675 voxels at the default size.
-SIGMA_PER_DIAMETER = 0.45
 #: Where it is cut off, in standard deviations; as in ``splat.frag``.
 REACH = 2.5
 
@@ -135,10 +134,7 @@ class Splatting:
     def _arrange(self, frame: Frame, ready: Ready) -> _Layout:
         settings, volume = frame.settings, frame.volume
         total = count = len(ready.packed)
-        per_axis = ready.wanted.per_axis
-        steps = (
-            np.maximum(np.array(volume.dimensions) / per_axis, 1.0) if per_axis is not None else np.ones(3)
-        )
+        steps = lattice_steps(volume, ready.wanted.per_axis)
         diameter = settings.splat_size * float((steps * volume.spacing).max())
         cell = float(abs(np.linalg.det(volume.index_to_world[:3, :3])) * np.prod(steps))
         fraction = frame.size[1] / frame.window_size[1]

@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.splat_selection import SIGMA_PER_DIAMETER
 from volviz.custom_gl.vtk_props import border as vtk
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.kernels.splats import Splats
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-
-#: Standard deviation of a Gaussian in diameters, as in our splatting.
-SIGMA_PER_DIAMETER = 0.45
 
 #: A disc: nothing outside the radius, everything inside. VTK's own footprint is a Gaussian, the radius its deviation.
 _DISC = "//VTK::Color::Impl\nif (dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy) > 1.0) { discard; }\n"

@@ -5,18 +5,17 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
+from volviz.custom_gl.splat_selection import lattice_steps, splats_of
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.vtk_point_gaussian.cloud import Cloud
 from volviz.custom_gl.vtk_props.background import Background
-from volviz.custom_gl.vtk_props.clipping import set_planes, shown_part
-from volviz.kernels.splats import Splats, select_splats
+from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
+from volviz.kernels.splats import Splats
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.volume import Volume
 
-#: Clip planes that the mapper takes.
+#: Clip planes that the mapper takes; what more would cut away is not handed to it.
 MAX_PLANES = 6
 #: Seconds that a picture waits for its splats before the window gets its turn.
 PATIENCE = 0.015
@@ -32,6 +31,11 @@ class _Wish(NamedTuple):
     isovalue: float
     per_axis: int | None
     cull: bool
+    cuts: tuple[Plane, ...]
+
+    def may_follow(self, other: _Wish) -> bool:
+        """Whether a moving picture may go on with the other splats until these are ready."""
+        return self.volume is other.volume and self.cull == other.cull
 
 
 class VtkPointGaussian:
@@ -67,10 +71,13 @@ class VtkPointGaussian:
         settings, volume = frame.settings, frame.volume
         disc = settings.footprint == "disc"
         isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
-        wish = _Wish(volume, float(isovalue), settings.splats_per_axis, disc)
-        splats = self._background.get(wish, lambda: _select(wish), PATIENCE)
+        planes = shown_part(frame)
+        # a cut lays bare what would be hidden
+        cull = disc and not planes
+        wish = _Wish(volume, float(isovalue), settings.splats_per_axis, cull, tuple(planes[MAX_PLANES:]))
+        splats = self._background.get(wish, lambda: _selected(wish), PATIENCE)
         if splats is None:
-            if not frame.interactive or self._wish is None or self._wish[::3] != wish[::3]:
+            if not frame.interactive or self._wish is None or not wish.may_follow(self._wish):
                 return False
         else:
             self._wish, self._splats = wish, splats
@@ -87,7 +94,7 @@ class VtkPointGaussian:
         cloud.show(splats, volume)
         cloud.paint(frame.transfer_function, disc=disc)
         cloud.shape(enlarged * settings.splat_size * float((steps * volume.spacing).max()), disc=disc)
-        set_planes(cloud.mapper, shown_part(frame)[:MAX_PLANES])
+        set_planes(cloud.mapper, planes[:MAX_PLANES])
         self.writes_depth = disc
         return True
 
@@ -111,24 +118,13 @@ class VtkPointGaussian:
         self._splats = self._few = None
 
 
-def lattice_steps(volume: Volume, per_axis: int | None) -> npt.NDArray[np.float64]:
-    """Distance of neighbouring splats along x, y, z in voxels."""
-    if per_axis is None:
-        return np.ones(3)
-    return np.asarray(np.maximum(np.array(volume.dimensions) / per_axis, 1.0))
-
-
-def _select(wish: _Wish) -> Splats:
+def _selected(wish: _Wish) -> Splats:
+    """The splats of a wish, without those whose centres its cuts take away."""
     volume = wish.volume
-    bricks = bricks_of(volume)
-    return select_splats(
-        volume.array,
-        wish.isovalue,
-        spacing=volume.spacing,
-        direction=volume.direction,
-        splats_per_axis=wish.per_axis,
-        cull_interior=wish.cull,
-        bricks=(bricks.low, bricks.high),
-        brick=BRICK,
-        lowest=volume.range[0],
-    )
+    splats = splats_of(volume, wish.isovalue, wish.per_axis, cull=wish.cull)
+    if not wish.cuts:
+        return splats
+    matrix = volume.index_to_world
+    world = splats.positions @ matrix[:3, :3].T + matrix[:3, 3]
+    kept = np.all([(world - origin) @ normal >= 0.0 for origin, normal in wish.cuts], axis=0)
+    return Splats(splats.positions[kept], splats.normals[kept], splats.values[kept])
