@@ -85,7 +85,14 @@ def test_discs_of_vtks_point_mapper_are_our_splats_without_blur_and_light(cuts: 
     of = volume()
     one = picture(of, function(of), camera(of), size=SIZE, technique_id="vtk_point_gaussian", **cuts)
     other = picture(
-        of, function(of), camera(of), size=SIZE, technique_id="splatting", blur_radius=0.0, shading=False, **cuts
+        of,
+        function(of),
+        camera(of),
+        size=SIZE,
+        technique_id="splatting",
+        blur_radius=0.0,
+        shading=False,
+        **cuts,
     )
     # VTK cuts through the splats that a plane meets, ours takes them away whole
     shown = other[..., 3] > 0.5
