@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+import gc
+import weakref
 from typing import Any
 
 import pytest
@@ -89,5 +91,24 @@ def test_going_through_all_techniques_again_and_again_leaves_no_object(moving: b
         # the first rounds fill caches that are meant to stay: programs, tables, levels of detail
         assert seen[-1] == seen[2]
         assert min(seen[-1].values()) > 0
+    finally:
+        window.close()
+
+
+@pytest.mark.parametrize("technique", volviz.techniques())
+def test_a_volume_that_is_no_longer_shown_is_let_go(technique: str) -> None:
+    second = volume()
+    window = pyvista.Plotter(off_screen=True, window_size=(24, 16))
+    try:
+        handle = volviz.add_volume(window, volume(), technique)
+        window.show(auto_close=False, interactive=False)
+        handle.raise_error()
+        first = weakref.ref(handle.volume)
+        # another technique follows, so that nothing of the first one is made anew
+        other = "slicing" if technique == "raycast" else "raycast"
+        handle.update(volume=second, technique=other)
+        window.render()
+        gc.collect()
+        assert first() is None
     finally:
         window.close()

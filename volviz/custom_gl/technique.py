@@ -280,9 +280,8 @@ class Frame:
     def apply(self, program: Program) -> None:
         """Set every shared uniform that the program has and bind the shared textures to their units."""
         # uniforms stay with the program, bindings do not survive what VTK draws between two chunks
-        if program.owner is not self:
+        if program.is_taken_over(self):
             program.set(self.uniforms)
-            program.owner = self
         self.resources.bind(program, self)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import weakref
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -33,8 +34,8 @@ class Program:
         except Exception as error:  # noqa: BLE001 - moderngl raises plain ones
             raise _shader_error(str(error), vertex, fragment, label) from None
         self.label = label
-        #: Whoever has set the uniforms last; programs are shared by everything in a window.
-        self.owner: object = None
+        # weak: programs live as long as their window, a frame holds its volume
+        self._user: weakref.ref[Any] | None = None
         self._members = {name: self.gl[name] for name in self.gl}
         free = FIRST_FREE_UNIT
         self.units: dict[str, int] = {}
@@ -48,6 +49,16 @@ class Program:
 
     def __contains__(self, name: str) -> bool:
         return name in self._members
+
+    def is_taken_over(self, user: object) -> bool:
+        """Whether somebody else has set the uniforms last; from now on it is this user (a frame).
+
+        Programs are shared by everything in a window.
+        """
+        if self._user is not None and self._user() is user:
+            return False
+        self._user = weakref.ref(user)
+        return True
 
     def set(self, uniforms: Mapping[str, Any]) -> None:
         """Set the uniforms that the program has; the others are left out.
