@@ -258,12 +258,14 @@ class Frame:
         fragment: Path,
         defines: Mapping[str, object] | None = None,
         hooks: Mapping[str, str | Path] | None = None,
+        *,
+        many_vertices: bool = False,
     ) -> Program:
         """A program with the defines that depend on the frame, ready to draw (see `apply`).
 
         ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at, ``BY_GRADIENT`` when the transfer function
         is one of value and gradient; ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY`` follow the settings of
-        these names and can be overridden.
+        these names and can be overridden. `many_vertices` is True for meshes and splats.
         """
         settings = self.settings
         shared: dict[str, object] = {
@@ -273,7 +275,9 @@ class Frame:
             "GRADIENT_OPACITY": getattr(settings, "gradient_opacity", 0.0) > 0,
             "BY_GRADIENT": self.transfer_function.by_gradient is not None,
         }
-        program = self.gpu.programs.get(vertex, fragment, shared | dict(defines or {}), hooks)
+        program = self.gpu.programs.get(
+            vertex, fragment, shared | dict(defines or {}), hooks, many_vertices=many_vertices
+        )
         self.apply(program)
         return program
 

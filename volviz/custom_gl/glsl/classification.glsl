@@ -4,6 +4,7 @@ uniform sampler2D t_table;                 // straight RGBA over the part of the
                                            // BY_GRADIENT: colour times opacity and opacity, rows over the gradient
 uniform vec2 u_table_map;                  // position in the table, 0..1 = fraction of the data range * x + y
 uniform float u_table_last;                // number of entries - 1
+uniform float u_table_entry;               // width of an entry = 1 / number of entries
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / opacity unit distance, per world unit
 uniform float u_gradient_opacity;          // 0..1
@@ -13,7 +14,8 @@ vec4 classify(float s) {
     // two fetches and a mix: a linear filter reads four texels of a texture that is one texel high
     float x = clamp(s * u_table_map.x + u_table_map.y, 0.0, 1.0) * u_table_last;
     float i = min(floor(x), u_table_last - 1.0);
-    vec4 c = mix(texelFetch(t_table, ivec2(int(i), 0), 0), texelFetch(t_table, ivec2(int(i) + 1, 0), 0), x - i);
+    vec2 place = vec2((i + 0.5) * u_table_entry, 0.5);
+    vec4 c = mix(textureLod(t_table, place, 0.0), textureLod(t_table, place + vec2(u_table_entry, 0.0), 0.0), x - i);
     return s < u_density_threshold ? vec4(0.0) : c;
 }
 

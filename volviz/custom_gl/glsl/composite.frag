@@ -3,11 +3,7 @@
 // forms around a mesh.
 
 uniform sampler2D t_picture;
-#ifdef AVERAGE
 uniform float u_weight;     // 1 / number of pictures summed up in it
-#else
-const float u_weight = 1.0;
-#endif
 #if SCENE_DEPTH
 uniform sampler2D t_scene_depth;
 #endif

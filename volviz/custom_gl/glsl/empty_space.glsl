@@ -1,11 +1,12 @@
 // Jumps over bricks in which nothing is visible. Sample positions are kept: a ray goes on at a later sample of the
 // same sequence, so the picture is that of a march without jumps.
 
-uniform sampler3D t_distance;     // / 255; up to 127: bricks to the nearest visible one; 128 + n: visible, and so are
-                                  // all bricks at most n away
+uniform sampler3D t_distance;      // up to 127: bricks to the nearest visible one; 128 + n: visible, and so are all
+                                   // bricks at most n away
 uniform vec3 u_bricks_per_texture; // bricks per unit of texture coordinate = voxels / brick size
 uniform vec3 u_brick_offset;       // -0.5 / brick size: voxel i has its centre at (i + 0.5) / N
-uniform ivec3 u_last_brick;
+uniform vec3 u_last_brick;         // number of bricks - 1
+uniform vec3 u_brick_edge;         // of a brick in t_distance = 1 / number of bricks
 
 struct Brick {
     bool visible;     // something may be visible in it
@@ -17,9 +18,8 @@ struct Brick {
 Brick brick_at(vec3 p) {
     Brick b;
     b.position = p * u_bricks_per_texture + u_brick_offset;
-    ivec3 cell = clamp(ivec3(floor(b.position)), ivec3(0), u_last_brick);
-    b.corner = vec3(cell);
-    float code = floor(texelFetch(t_distance, cell, 0).r * 255.0 + 0.5);
+    b.corner = clamp(floor(b.position), vec3(0.0), u_last_brick);
+    float code = textureLod(t_distance, (b.corner + 0.5) * u_brick_edge, 0.0).r;
     b.visible = code > 127.0;
     b.reach = b.visible ? code - 128.0 : code - 1.0;
     return b;

@@ -64,7 +64,7 @@ class Gpu:
             raise RenderError(
                 f"OpenGL 3.3 is needed, this system has {self.limits.version}; update the graphics driver."
             )
-        self.programs = ProgramCache(self.gl)
+        self.programs = ProgramCache(self.gl, carries_uniforms=self.limits.software)
         self.targets = TargetPool(self.gl)
         self._bufferless: dict[int, Any] = {}
         self._blank: Any = None
@@ -132,12 +132,13 @@ class Gpu:
         self.programs.forget()
 
     def table_texture(self, table: npt.NDArray[np.float32]) -> Any:
-        """A linear, clamped RGBA32F texture from an array of shape (H, W, 4)."""
+        """A clamped RGBA32F texture from an array of shape (H, W, 4), with a linear filter when it has two rows."""
         height, width, _ = table.shape
         texture = self.gl.texture(
             (width, height), 4, np.ascontiguousarray(table, np.float32).tobytes(), dtype="f4"
         )
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        kind = moderngl.LINEAR if height > 1 else moderngl.NEAREST
+        texture.filter = (kind, kind)
         texture.repeat_x = texture.repeat_y = False
         self.uploads += 1
         return texture

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 import weakref
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from volviz.custom_gl.carried_uniforms import carry
 from volviz.custom_gl.shader_source import ShaderText, assemble
 from volviz.errors import ShaderError
 
@@ -26,11 +27,21 @@ FIRST_FREE_UNIT = 8
 
 
 class Program:
-    """A linked program. Uniforms that the compiler removed are silently absent, unknown types are not."""
+    """A linked program. Uniforms that the compiler removed are silently absent, unknown types are not.
 
-    def __init__(self, context: Any, vertex: ShaderText, fragment: ShaderText, label: str) -> None:
+    Attributes
+    ----------
+    carried : bool
+        The fragment shader's uniforms come through the vertex shader.
+    """
+
+    def __init__(
+        self, context: Any, vertex: ShaderText, fragment: ShaderText, label: str, *, carried: bool = False
+    ) -> None:
+        linked = _linked_carrying(context, vertex, fragment) if carried else None
+        self.carried = linked is not None
         try:
-            self.gl = context.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
+            self.gl = linked or context.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
         except Exception as error:  # noqa: BLE001 - moderngl raises plain ones
             raise _shader_error(str(error), vertex, fragment, label) from None
         self.label = label
@@ -88,10 +99,19 @@ class Program:
 
 
 class ProgramCache:
-    """Programs by shader files, defines and hooks; a program is compiled once per context."""
+    """Programs by shader files, defines and hooks; a program is compiled once per context.
 
-    def __init__(self, context: Any) -> None:
+    Parameters
+    ----------
+    context : moderngl.Context
+        Where they are compiled.
+    carries_uniforms : bool
+        Reading a uniform in a fragment shader is dear (see `volviz.custom_gl.carried_uniforms`).
+    """
+
+    def __init__(self, context: Any, *, carries_uniforms: bool = False) -> None:
         self._context = context
+        self.carries_uniforms = carries_uniforms
         self._programs: dict[Any, Program] = {}
         self.overrides: dict[Path, str] = {}
         self.compiled = 0
@@ -102,8 +122,10 @@ class ProgramCache:
         fragment: Path,
         defines: Mapping[str, object] | None = None,
         hooks: Mapping[str, str | Path] | None = None,
+        *,
+        many_vertices: bool = False,
     ) -> Program:
-        """The program of these files.
+        """The program of these files; with many vertices their shader is kept free of other work.
 
         Raises
         ------
@@ -119,16 +141,31 @@ class ProgramCache:
         program = self._programs.get(key)
         if program is None:
             texts = [assemble(path, defines, hooks, self.overrides) for path in (vertex, fragment)]
-            program = Program(self._context, texts[0], texts[1], fragment.name)
+            carried = self.carries_uniforms and not many_vertices
+            program = Program(self._context, texts[0], texts[1], fragment.name, carried=carried)
             self._programs[key] = program
             self.compiled += 1
         return program
+
+    @property
+    def all(self) -> Iterator[Program]:
+        """Those that have been compiled."""
+        yield from self._programs.values()
 
     def forget(self) -> None:
         """Release every program, for example after a shader was edited."""
         for program in self._programs.values():
             program.release()
         self._programs.clear()
+
+
+def _linked_carrying(context: Any, vertex: ShaderText, fragment: ShaderText) -> Any:
+    """The program with carried uniforms; None where that does not link, an edited shader for example."""
+    carrying = carry(vertex, fragment)
+    try:
+        return context.program(vertex_shader=carrying[0].text, fragment_shader=carrying[1].text)
+    except Exception:  # noqa: BLE001 - moderngl raises plain ones; what is wrong is told of the shaders as they are
+        return None
 
 
 def _shader_error(log: str, vertex: ShaderText, fragment: ShaderText, label: str) -> ShaderError:

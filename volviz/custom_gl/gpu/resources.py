@@ -184,7 +184,11 @@ class VolumeResources:
         columns, rows = table_entries(transfer_function, self.volume, interactive=interactive)
         if transfer_function.by_gradient is None:
             data_range = transfer_function.table_range(self.volume.range)
-            return {"u_table_map": self._lookup(data_range), "u_table_last": float(columns - 1)}
+            return {
+                "u_table_map": self._lookup(data_range),
+                "u_table_last": float(columns - 1),
+                "u_table_entry": 1.0 / columns,
+            }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
         low, high = self.volume.range
         height = gradients[1] - gradients[0]
@@ -269,9 +273,10 @@ class VolumeResources:
             occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
         empty = np.minimum(chessboard_distance(occupied), 127)
         visible = np.minimum(chessboard_distance(~occupied), 128) + 127
-        distance = np.where(occupied, visible, empty).astype(np.uint8)
+        # as floats: they need no unpacking where OpenGL is computed in software
+        distance = np.where(occupied, visible, empty).astype(np.float32)
         z, y, x = distance.shape
-        texture = self.gpu.gl.texture3d((x, y, z), 1, distance.tobytes(), alignment=1)
+        texture = self.gpu.gl.texture3d((x, y, z), 1, distance.tobytes(), alignment=1, dtype="f4")
         texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         texture.repeat_x = texture.repeat_y = texture.repeat_z = False
         self.gpu.uploads += 1
@@ -316,7 +321,8 @@ class VolumeResources:
         return {
             "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
             "u_brick_offset": (-0.5 / BRICK,) * 3,
-            "u_last_brick": tuple((n - 1) // BRICK for n in (x, y, z)),
+            "u_last_brick": tuple(float((n - 1) // BRICK) for n in (x, y, z)),
+            "u_brick_edge": tuple(1.0 / ((n - 1) // BRICK + 1) for n in (x, y, z)),
         }
 
     def _cached(self, cache: dict[str, tuple[Any, Any]], slot: str, key: Any, make: Any) -> Any:

@@ -89,7 +89,7 @@ def composite(
     program = gpu.programs.get(
         GLSL / "fullscreen.vert",
         GLSL / "composite.frag",
-        {"ENLARGE": enlarge, "SCENE_DEPTH": scene_depth is not None} | ({"AVERAGE": 1} if count > 1 else {}),
+        {"ENLARGE": enlarge, "SCENE_DEPTH": scene_depth is not None},
     )
     program.set(
         {
@@ -125,7 +125,7 @@ def add_picture(gpu: Gpu, picture: Target, total: Target) -> None:
     program = gpu.programs.get(
         GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": False, "SCENE_DEPTH": False}
     )
-    program.set({"u_picture_size": tuple(float(n) for n in picture.size)})
+    program.set({"u_picture_size": tuple(float(n) for n in picture.size), "u_weight": 1.0})
     total.fbo.use()
     gl.viewport = (0, 0, *total.size)
     gl.scissor = None

@@ -184,6 +184,7 @@ class MeshTechnique:
                 "COLOR_NORMAL": settings.color_by == "normal",
                 "COLOR_TRANSFER_FUNCTION": settings.color_by == "transfer_function",
             },
+            many_vertices=True,
         )
         matrix = volume.index_to_world
         scale, offset = frame.resources.texels.index_to_texture

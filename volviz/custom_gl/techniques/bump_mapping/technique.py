@@ -231,6 +231,7 @@ class BumpMapping:
                 "SELF_SHADOWING": bool(s.self_shadowing),
                 "DISPLAY": _DISPLAYS[s.display],
             },
+            many_vertices=True,
         )
         if "t_normal_map" in program.units:
             texture = self._maps.normal_map(frame.gpu, s.normal_source, s.normal_image, s.encoding)

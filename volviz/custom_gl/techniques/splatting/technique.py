@@ -227,7 +227,10 @@ class Splatting:
         layout = self._layout
         translucent = self._translucent(frame)
         program = frame.program(
-            _HERE / "splat.vert", _HERE / "splat.frag", {"QUADS": layout.quads, "GAUSSIAN": translucent}
+            _HERE / "splat.vert",
+            _HERE / "splat.frag",
+            {"QUADS": layout.quads, "GAUSSIAN": translucent},
+            many_vertices=True,
         )
         crop = np.array(frame.crop).reshape(3, 2)
         planes = np.zeros((6, 4))

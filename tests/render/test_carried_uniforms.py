@@ -1,0 +1,64 @@
+"""Pictures do not change when uniforms come through the vertex shader, as they do where OpenGL is software."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pyvista
+import pytest
+
+import volviz
+from tests.render.scenes import camera, function, volume
+from volviz.offscreen import apply_camera
+
+SIZE = (88, 72)
+
+
+def drawn(technique: str, values: dict[str, Any]) -> dict[bool, tuple[Any, list[Any]]]:
+    """Picture and programs, without and with carried uniforms, of a cut volume with a mesh in it."""
+    of = volume(np.float32, spacing=(1.0, 1.2, 0.9))
+    window = pyvista.Plotter(off_screen=True, window_size=SIZE)
+    handle = None
+    try:
+        window.add_mesh(pyvista.Sphere(radius=3.0, center=of.center), color="white")
+        handle = volviz.add_volume(window, of, technique, transfer_function=function(of), **values)
+        handle.update(clip_planes=[(of.center, (-0.6, -0.3, 0.7))])
+        apply_camera(window.camera, camera(of))
+        window.show(auto_close=False, interactive=False)
+        found = {}
+        for carries in (False, True):
+            handle.gpu.programs.carries_uniforms = carries
+            handle.gpu.forget_programs()
+            handle.update(crop=None)
+            window.render()
+            handle.raise_error()
+            found[carries] = handle.read_picture(), list(handle.gpu.programs.all)
+        return found
+    finally:
+        if handle is not None:
+            handle.remove()
+        window.close()
+
+
+@pytest.mark.parametrize(
+    ("technique", "values"),
+    [
+        ("raycast", {}),
+        ("raycast", {"shading": True, "gradient_opacity": 0.5, "jitter": True}),
+        ("raycast", {"preintegrated": True}),
+        ("two_pass_raycast", {"mode": "attenuated_maximum"}),
+        ("slicing", {"shading": True}),
+        ("slicing", {"mode": "average"}),
+        ("isosurface", {"isovalues": (0.4, 0.7)}),
+        ("half_angle", {"shading": True, "scattering": 0.3}),
+    ],
+)
+def test_carried_uniforms_draw_the_same_picture(technique: str, values: dict[str, Any]) -> None:
+    found = drawn(technique, values)
+    (plain, programs), (carried, carrying) = found[False], found[True]
+    assert not any(program.carried for program in programs)
+    assert carrying
+    assert all(program.carried for program in carrying), [p.label for p in carrying if not p.carried]
+    assert np.count_nonzero(plain[..., 3]) > 150
+    assert np.abs(carried - plain).max() < 1e-5
