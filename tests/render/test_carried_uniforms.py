@@ -47,7 +47,7 @@ def drawn(technique: str, values: dict[str, Any]) -> dict[bool, tuple[Any, list[
         ("raycast", {}),
         ("raycast", {"shading": True, "gradient_opacity": 0.5, "jitter": True}),
         ("raycast", {"preintegrated": True}),
-        ("two_pass_raycast", {"mode": "attenuated_maximum"}),
+        ("two_pass_raycast", {"mode": "attenuated_maximum", "attenuation": 0.1}),
         ("slicing", {"shading": True}),
         ("slicing", {"mode": "average"}),
         ("isosurface", {"isovalues": (0.4, 0.7)}),
@@ -60,5 +60,5 @@ def test_carried_uniforms_draw_the_same_picture(technique: str, values: dict[str
     assert not any(program.carried for program in programs)
     assert carrying
     assert all(program.carried for program in carrying), [p.label for p in carrying if not p.carried]
-    assert np.count_nonzero(plain[..., 3]) > 150
+    assert np.count_nonzero(plain[..., 3]) > 50
     assert np.abs(carried - plain).max() < 1e-5
