@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pyvista
 import pytest
+import pyvista
 
 import volviz
 from tests.render.scenes import camera, function, volume

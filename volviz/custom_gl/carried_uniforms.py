@@ -3,9 +3,9 @@
 llvmpipe computes eight pixels together, but reads a uniform for each of them alone: about twenty instructions a
 component, anew in every turn of a loop, and as dear as a fetch from a texture (Mesa 22.3, seen in the code that it
 makes). A value that the vertex shader hands on without interpolation is read once for all eight. Where OpenGL is
-computed in software, `carry` therefore rewrites the two stages of a program: what the fragment shader declares as uniform
-is declared by the vertex shader, packed into ``flat`` outputs, and a macro of the uniform's name unpacks it. Shader
-files know nothing of it. Arrays and samplers stay uniforms.
+computed in software, `carry` therefore rewrites the two stages of a program: what the fragment shader declares as
+uniform is declared by the vertex shader, packed into ``flat`` outputs, and a macro of the uniform's name unpacks it.
+Shader files know nothing of it. Arrays and samplers stay uniforms.
 """
 
 from __future__ import annotations
