@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import pyvista
 
 import volviz
 from tests.render.scenes import LEFT_HANDED, OBLIQUE, camera, function, inside, oracle, picture, psnr, volume
+from volviz.offscreen import apply_camera
 
 MODES = ("composite", "maximum", "minimum", "average", "additive", "attenuated_maximum")
 RAMP = [(0.0, (0.2, 0.2, 0.6, 0.15)), (0.3, (0.2, 1.0, 0.4, 0.5)), (1.0, (1.0, 0.2, 0.1, 0.9))]
@@ -89,6 +91,41 @@ def test_data_up_to_the_border_converge_with_the_second_order() -> None:
     ]
     slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
     assert slope == pytest.approx(2.0, abs=0.3)
+
+
+def beside_a_ball(of: volviz.Volume, technique: str, step: float) -> np.ndarray:
+    """The volume's picture, premultiplied, with an opaque ball in its middle."""
+    plotter = pyvista.Plotter(off_screen=True, window_size=(48, 48))
+    plotter.render_window.SetMultiSamples(0)
+    try:
+        plotter.add_mesh(pyvista.Sphere(radius=6.0, center=of.center))
+        handle = volviz.add_volume(
+            plotter, of, technique, transfer_function=function(of), step=step, early_termination=1.0
+        )
+        apply_camera(plotter.camera, camera(of))
+        plotter.reset_camera_clipping_range()
+        plotter.show(auto_close=False, interactive=False)
+        handle.raise_error()
+        return np.asarray(handle.read_picture())
+    finally:
+        plotter.close()
+
+
+def test_the_last_slice_before_a_mesh_stands_for_the_ray_up_to_it() -> None:
+    of = volume(np.float32)
+    exact = beside_a_ball(of, "raycast", 0.05)
+    # half a slice more or less at the mesh: 60 dB
+    assert psnr(beside_a_ball(of, "slicing", 0.25), exact) > 75
+
+
+def test_the_first_slice_before_the_eye_stands_for_the_ray_from_the_near_plane_on() -> None:
+    of = volume(np.float32)
+    exact, slices = (
+        picture(of, function(of), inside(of), technique_id=technique, step=step, early_termination=1.0)
+        for technique, step in (("raycast", 0.05), ("slicing", 0.25))
+    )
+    # half a slice more or less at the eye: 40 dB
+    assert psnr(slices, exact) > 60
 
 
 def test_the_density_of_the_picture_does_not_depend_on_the_number_of_slices() -> None:

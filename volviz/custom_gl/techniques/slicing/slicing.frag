@@ -13,6 +13,7 @@ uniform vec3 u_direction_texture;  // the view direction as a change of texture 
 uniform vec3 u_eye_texture;        // the eye in texture coordinates
 uniform vec3 u_box_low;            // the (cropped) box in texture coordinates
 uniform vec3 u_box_high;
+uniform vec4 u_near_plane;         // dot(plane.xyz, texture coordinate) + plane.w >= 0 lies behind it
 uniform mat3 u_texture_to_world_vector;
 uniform bool u_jitter;
 uniform float u_jitter_seed;
@@ -20,6 +21,7 @@ uniform int u_plane_count;
 uniform vec4 u_planes[6];
 #if SCENE_DEPTH
 uniform sampler2D t_scene_depth;
+uniform mat4 u_clip_to_texture;
 #endif
 
 in vec3 v_texture;
@@ -41,11 +43,12 @@ void main() {
     // a slice that is seen at an angle stands for a longer piece of ray
     float piece = u_slice_distance / max(dot(along, u_view_direction), 1e-3);
     if (u_jitter) p += direction * (piece * (pixel_noise(gl_FragCoord.xy, u_jitter_seed) - 0.5));
-    // how far the ray runs within the box, from where it entered to here and from here on
+    // how far the ray is shown: from where it entered the box, or began within, to here, and from here on
     vec3 inverse = 1.0 / (direction + vec3(equal(direction, vec3(0.0))) * 1e-20);
     vec3 a = (u_box_low - p) * inverse, b = (u_box_high - p) * inverse;
     vec3 low = min(a, b), high = max(a, b);
     float before = -max(low.x, max(low.y, low.z)), behind = min(high.x, min(high.y, high.z));
+    before = min(before, (dot(u_near_plane.xyz, p) + u_near_plane.w) / dot(u_near_plane.xyz, direction));
     for (int i = 0; i < u_plane_count; ++i) {
         float height = dot(u_planes[i].xyz, p) + u_planes[i].w;
         if (height < 0.0) discard;
@@ -54,7 +57,13 @@ void main() {
         else if (slope < 0.0) behind = min(behind, -height / slope);
     }
 #if SCENE_DEPTH
-    if (gl_FragCoord.z > textureLod(t_scene_depth, gl_FragCoord.xy / u_size, 0.0).r) discard;
+    vec2 place = gl_FragCoord.xy / u_size;
+    float depth = textureLod(t_scene_depth, place, 0.0).r;
+    if (gl_FragCoord.z > depth) discard;
+    if (depth < 1.0) {
+        vec4 opaque = u_clip_to_texture * vec4(2.0 * vec3(place, depth) - 1.0, 1.0);
+        behind = min(behind, length(u_texture_to_world_vector * (opaque.xyz / opaque.w - p)));
+    }
 #endif
     float s = sample_scalar(p);
     if (s < u_density_threshold) discard;

@@ -129,8 +129,10 @@ class Slicing:
             _HERE / "slicing.frag",
             hooks={"blend": _HERE / "blends" / f"{blend}.glsl"},
         )
+        to_clip = frame.uniforms["u_texture_to_clip"]
         program.set(
             {
+                "u_near_plane": tuple(to_clip[2] + to_clip[3]),
                 "u_slice_distance": self.polygons.distance,
                 "u_perspective": not frame.camera.parallel,
                 "u_eye_texture": tuple(self._eye(frame)),
