@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES
 from volviz.kernels.slices import crop_corners
-from volviz.model.parameters import Parameter, parameters_of
+from volviz.model.parameters import Cost, Parameter, parameters_of
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.context import Gpu
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from volviz.custom_gl.gpu.resources import VolumeResources
     from volviz.custom_gl.gpu.targets import Target
     from volviz.custom_gl.picking import Picked, Sight
+    from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
 
@@ -65,6 +66,8 @@ class TechniqueInfo:
         Place in lists, ascending.
     counterpart_of : tuple of str
         Ids of the techniques beside which it is meant to be looked at: VTK's own mappers name ours.
+    colors_surface : bool
+        Whether it draws triangles in the colours of given values (`Frame.surface_colors`).
     pick : callable or None
         Finds what is seen along a ray (`volviz.custom_gl.picking.Sight`); None where the first visible place is meant.
     needs_textures : bool
@@ -86,6 +89,7 @@ class TechniqueInfo:
     order: int = 100
     counterpart_of: tuple[str, ...] = ()
     needs_textures: bool = True
+    colors_surface: bool = False
     pick: Callable[[Sight], Picked | None] | None = None
 
     @property
@@ -126,6 +130,11 @@ def drawn_function(info: TechniqueInfo, settings: Any, function: TransferFunctio
     if function.by_gradient is None or (function.by_gradient.enabled and not regions_unused(info, settings)):
         return function
     return replace(function, by_gradient=None)
+
+
+def surface_settings(settings: Any) -> dict[str, Any]:
+    """The settings that decide which triangles a technique extracts, by name: those whose change costs `DATA`."""
+    return {p.name: getattr(settings, p.name) for p in parameters_of(type(settings)) if p.cost is Cost.DATA}
 
 
 @dataclass(frozen=True)
@@ -207,6 +216,9 @@ class Frame:
     filter_triangles : callable or None
         Smooths and decimates triangles (VTK's filters); may be called on any thread, see
         `volviz.custom_gl.host.mesh_filters.filter_triangles`.
+    surface_colors : SurfaceColors or None
+        Values of the surface that are to be seen instead of its own colours, where the technique can
+        (`TechniqueInfo.colors_surface`).
     read_triangles : callable or None
         Reads the surface in a mesh file (VTK's readers); may be called on any thread, see
         `volviz.custom_gl.host.mesh_reading.read_triangles`.
@@ -235,6 +247,7 @@ class Frame:
     uniforms: dict[str, Any]
     filter_triangles: Callable[..., Any] | None = None
     read_triangles: Callable[..., Any] | None = None
+    surface_colors: SurfaceColors | None = None
 
     @property
     def box_corners(self) -> Matrix:

@@ -19,6 +19,10 @@ uniform vec2 u_size;                  // of this picture, pixels
 uniform vec3 u_surface_color;
 uniform bool u_mirrored;              // index axes are left-handed in the world: triangles turn the other way
 
+#if COLOR_VALUE
+uniform sampler2D t_value_colors;     // one row
+in float v_value;
+#endif
 in vec3 v_point;
 #if FACETS
 in vec3 v_offset;
@@ -62,6 +66,9 @@ void main() {
     f_color = vec4(0.5 + 0.5 * normal, 1.0);
 #else
     vec3 color = u_surface_color;
+#if COLOR_VALUE
+    color = textureLod(t_value_colors, vec2(v_value, 0.5), 0.0).rgb;
+#endif
 #if COLOR_TRANSFER_FUNCTION
     color = classify(sample_scalar(v_point - mat3(u_world_to_texture) * (u_color_depth * normal))).rgb;
 #endif

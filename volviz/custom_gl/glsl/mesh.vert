@@ -7,6 +7,12 @@ uniform mat3 u_index_to_world_vector;
 uniform vec3 u_near_index;            // a point near the eye
 
 in vec3 a_index;
+#if COLOR_VALUE
+uniform float u_value_scale;          // value -> place in the table of colours
+uniform float u_value_offset;
+in float a_value;
+out float v_value;                    // place in the table of colours, 0..1 is inside
+#endif
 in vec3 a_normal;                     // falling gradient per voxel, unit length or zero
 out vec3 v_point;                     // texture coordinates
 #if FACETS
@@ -17,6 +23,9 @@ out vec3 v_normal;                    // world, unit length or zero
 
 void main() {
     gl_Position = u_index_to_clip * vec4(a_index, 1.0);
+#if COLOR_VALUE
+    v_value = a_value * u_value_scale + u_value_offset;
+#endif
     v_point = a_index * u_index_to_texture_scale + u_index_to_texture_offset;
 #if FACETS
     v_offset = u_index_to_world_vector * (a_index - u_near_index);

@@ -86,6 +86,7 @@ def make_frame(
         uniforms={},
         filter_triangles=filter_triangles,
         read_triangles=read_triangles,
+        surface_colors=shown.surface_colors,
     )
     frame.level = level_of_detail(frame)
     frame.resources.select(frame.level)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, get_args
 
 import numpy as np
@@ -15,10 +16,11 @@ from volviz.custom_gl.host.shown import Shown
 from volviz.custom_gl.picking import Picked, Sight, first_visible
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.technique import TechniqueInfo
-from volviz.errors import SettingError
+from volviz.errors import InputError, SettingError
 from volviz.kernels.surface_pick import pixel_ray
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
@@ -104,6 +106,35 @@ class VolumeHandle(Drawing):
         See `volviz.custom_gl.mesh_drawing.world_triangles` for its place in the world.
         """
         return self._runner.says("mesh", None)
+
+    @property
+    def surface_colors(self) -> SurfaceColors | None:
+        """Values of the surface that are seen instead of its own colours."""
+        return self._shown.surface_colors
+
+    def color_surface(self, colors: SurfaceColors | None) -> None:
+        """Show values of the surface by colours; the next `render` of the plotter draws them.
+
+        They stay until there is another surface: another volume, technique or setting of the extraction.
+
+        Parameters
+        ----------
+        colors : SurfaceColors or None
+            None gives the surface its own colours back.
+
+        Raises
+        ------
+        InputError
+            The technique draws no triangles that could be coloured.
+        """
+        info = self._shown.info
+        if colors is not None and not info.colors_surface:
+            raise InputError(
+                f"{info.id} draws no mesh whose triangles could be coloured by values; choose a technique that does, "
+                "such as marching_cubes."
+            )
+        if colors is not self._shown.surface_colors:
+            self._show_instead(replace(self._shown, surface_colors=colors))
 
     def update(
         self,

@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.settings import SharedSettings
-from volviz.custom_gl.technique import TechniqueInfo, drawn_function
+from volviz.custom_gl.technique import TechniqueInfo, drawn_function, surface_settings
 from volviz.errors import InputError
 from volviz.kernels.slices import crop_corners
 from volviz.model.clipping import Clipping, Crop
 from volviz.model.light import Light, default_position
 from volviz.model.parameters import make_settings, parameters_of
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
@@ -69,6 +70,9 @@ class Shown:
     drawn_function : TransferFunction
         The same without regions that the technique does not draw. Uploads are keyed by its identity: an equal one
         stays the same object.
+    surface_colors : SurfaceColors or None
+        Values of the surface that are seen instead of its own colours. They end with the surface: with another
+        volume, technique or setting of the extraction.
     """
 
     volume: Volume
@@ -79,6 +83,7 @@ class Shown:
     given_function: TransferFunction
     transfer_function: TransferFunction
     drawn_function: TransferFunction
+    surface_colors: SurfaceColors | None = None
 
     @property
     def light_position(self) -> tuple[float, float, float]:
@@ -152,8 +157,14 @@ class Shown:
         given = transfer_function or self.given_function
         resolved = given.resolved(new_volume.range)
         drawn = drawn_function(new_info, settings, resolved)
+        is_same = (
+            new_volume is self.volume
+            and new_info.id == self.info.id
+            and surface_settings(settings) == surface_settings(self.settings)
+        )
         return replace(
             self,
+            surface_colors=self.surface_colors if is_same else None,
             volume=new_volume,
             info=new_info,
             settings=settings,

@@ -10,12 +10,14 @@ import numpy.typing as npt
 
 from volviz.custom_gl.mesh_drawing.blocks import MeshBlocks
 from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish, ReadyMesh
+from volviz.custom_gl.mesh_drawing.values import MeshValues, ValueColors
 from volviz.custom_gl.shader_source import GLSL
 from volviz.model.auto_isovalue import auto_isovalue
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
     from volviz.custom_gl.technique import Frame
+    from volviz.model.surface_values import SurfaceValues
 
 #: Triangles of the stand-in that is drawn while something moves: about 30 ms on software OpenGL.
 STAND_IN_TRIANGLES = 60_000
@@ -47,11 +49,11 @@ class _Shown:
         """The mesh that is shown."""
         return self._held[-1] if self._held else None
 
-    def take(self, frame: Frame, mesh: ReadyMesh) -> MeshBlocks:
+    def take(self, frame: Frame, mesh: ReadyMesh, values: MeshValues | None) -> MeshBlocks:
         """Show this mesh, and release the one that was not shown for the longest time."""
-        found = next((blocks for blocks in self._held if blocks.mesh is mesh), None)
+        found = next((b for b in self._held if b.mesh is mesh and b.values is values), None)
         if found is None:
-            found = MeshBlocks(frame.gpu, mesh)
+            found = MeshBlocks(frame.gpu, mesh, values)
         else:
             self._held.remove(found)
         self._held.append(found)
@@ -79,6 +81,7 @@ class MeshTechnique:
         # those of neighbouring strides are at hand when time gets short, and again when it does not
         self._stand_in = MeshStore(keeps=STAND_INS, cancels=False)
         self._shown = {False: _Shown(1), True: _Shown(STAND_INS)}
+        self._values = ValueColors()
         self._known: MeshWish | None = None
         self._known_triangles = 0
 
@@ -107,7 +110,22 @@ class MeshTechnique:
             return 0
         if not frame.interactive:
             self._note(mesh)
-        return max(self._shown[frame.interactive].take(frame, mesh).count, 1)
+        values = None
+        if frame.surface_colors is not None and mesh.triangles:
+            # the surface of before must not get the colours of this one
+            if (mesh.wish.isovalue, mesh.wish.method) == (wish.isovalue, wish.method):
+                values = self._values_of(frame, mesh, frame.surface_colors.values)
+            if values is None:
+                return 0
+        return max(self._shown[frame.interactive].take(frame, mesh, values).count, 1)
+
+    def _values_of(self, frame: Frame, mesh: ReadyMesh, values: SurfaceValues) -> MeshValues | None:
+        """What its colours stand for, None while it is looked for; a triangle with a value of its own becomes three."""
+        fits = not frame.interactive or (
+            self._full.last is mesh and 3 * mesh.triangles <= _moving_triangles(frame)
+        )
+        patience = STAND_IN_PATIENCE if frame.interactive else PATIENCE
+        return self._values.get(mesh, values, patience, stand_in=frame.settings.wireframe or not fits)
 
     def _wish(self, frame: Frame) -> MeshWish:
         settings, volume = frame.settings, frame.volume
@@ -125,10 +143,7 @@ class MeshTechnique:
 
     def _stand_in_for(self, frame: Frame, wish: MeshWish) -> ReadyMesh | None:
         """A mesh that is drawn quickly: of this isovalue if possible, else the last one."""
-        limit = STAND_IN_TRIANGLES if frame.gpu.limits.software else STAND_IN_TRIANGLES_HARDWARE
-        if frame.settings.wireframe:
-            limit //= WIREFRAME_COST
-        limit = int(limit / frame.step_scale)
+        limit = _moving_triangles(frame)
         full = self._full.held(wish)
         if full is not None and full.triangles <= limit:
             return full
@@ -171,7 +186,7 @@ class MeshTechnique:
         gl.enable_only(moderngl.NOTHING)
 
     def _program(self, frame: Frame) -> Program:
-        settings, volume = frame.settings, frame.volume
+        settings, volume, colors = frame.settings, frame.volume, frame.surface_colors
         whole = frame.crop == tuple(float(v) for n in volume.dimensions for v in (0, n - 1))
         program = frame.program(
             GLSL / "mesh.vert",
@@ -181,8 +196,9 @@ class MeshTechnique:
                 "CUT": not whole or bool(frame.planes),
                 # a line has no face that could be measured
                 "FACETS": settings.normals == "flat" and not settings.wireframe,
-                "COLOR_NORMAL": settings.color_by == "normal",
-                "COLOR_TRANSFER_FUNCTION": settings.color_by == "transfer_function",
+                "COLOR_VALUE": colors is not None,
+                "COLOR_NORMAL": colors is None and settings.color_by == "normal",
+                "COLOR_TRANSFER_FUNCTION": colors is None and settings.color_by == "transfer_function",
             },
             many_vertices=True,
         )
@@ -200,14 +216,25 @@ class MeshTechnique:
                 "u_color_depth": settings.color_depth * min(volume.spacing),
             }
         )
+        if colors is not None:
+            self._values.set(frame.gpu, program, colors)
         return program
 
     def release(self) -> None:
         """Release the meshes on the GPU and stop the workers."""
         for shown in self._shown.values():
             shown.release()
+        self._values.release()
         for store in (self._full, self._stand_in):
             store.close()
+
+
+def _moving_triangles(frame: Frame) -> int:
+    """How many triangles a picture may have while something moves."""
+    limit = STAND_IN_TRIANGLES if frame.gpu.limits.software else STAND_IN_TRIANGLES_HARDWARE
+    if frame.settings.wireframe:
+        limit //= WIREFRAME_COST
+    return int(limit / frame.step_scale)
 
 
 def _near_index(frame: Frame) -> npt.NDArray[np.float64]:

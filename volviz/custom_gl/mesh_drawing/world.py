@@ -32,17 +32,25 @@ def world_triangles(
     normals : ndarray of shape (V, 3), float32
         Unit vectors to lower values.
     """
-    to_world = mesh.wish.volume.index_to_world
-    to_normals = np.linalg.inv(to_world[:3, :3])
-    vertices = np.empty(mesh.vertices.shape, np.float32)
+    to_normals = np.linalg.inv(mesh.wish.volume.index_to_world[:3, :3])
+    vertices, faces = world_places(mesh)
     normals = np.empty(mesh.vertices.shape, np.float32)
     for begin in range(0, len(vertices), PIECE):
         piece = slice(begin, begin + PIECE)
-        vertices[piece] = mesh.vertices[piece].astype(np.float64) @ to_world[:3, :3].T + to_world[:3, 3]
         turned = mesh.normals[piece].astype(np.float64) @ to_normals
         lengths = np.linalg.norm(turned, axis=1, keepdims=True)
         normals[piece] = turned / np.where(lengths > 0, lengths, 1.0)
+    return vertices, faces, normals
+
+
+def world_places(mesh: ReadyMesh) -> tuple[npt.NDArray[np.float32], npt.NDArray[Any]]:
+    """Vertices and faces of a mesh in the world, without normals; see `world_triangles`."""
+    to_world = mesh.wish.volume.index_to_world
+    vertices = np.empty(mesh.vertices.shape, np.float32)
+    for begin in range(0, len(vertices), PIECE):
+        piece = slice(begin, begin + PIECE)
+        vertices[piece] = mesh.vertices[piece].astype(np.float64) @ to_world[:3, :3].T + to_world[:3, 3]
     faces = mesh.faces
     if np.linalg.det(to_world[:3, :3]) < 0:
         faces = np.ascontiguousarray(faces[:, ::-1])
-    return vertices, faces, normals
+    return vertices, faces

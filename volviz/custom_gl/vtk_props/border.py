@@ -7,7 +7,7 @@ from volviz import environment
 environment.prepare()
 
 from vtkmodules.util.numpy_support import get_vtk_array_type, numpy_to_vtk, vtk_to_numpy  # noqa: E402
-from vtkmodules.vtkCommonCore import vtkObject, vtkPoints  # noqa: E402
+from vtkmodules.vtkCommonCore import vtkLookupTable, vtkObject, vtkPoints  # noqa: E402
 from vtkmodules.vtkCommonDataModel import (  # noqa: E402
     vtkCellArray,
     vtkImageData,
@@ -44,6 +44,7 @@ __all__ = [
     "vtkFixedPointVolumeRayCastMapper",
     "vtkFlyingEdges3D",
     "vtkImageData",
+    "vtkLookupTable",
     "vtkMarchingCubes",
     "vtkMatrix4x4",
     "vtkObject",

@@ -6,15 +6,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from volviz.custom_gl.background import Background
 from volviz.custom_gl.vtk_props import border as vtk
-from volviz.custom_gl.vtk_props.background import Background
 from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.custom_gl.vtk_props.images import PlacedImage
+from volviz.custom_gl.vtk_props.painting import Painting, set_material, show_colors
 from volviz.model.auto_isovalue import auto_isovalue
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
+    from volviz.model.surface_values import SurfaceColors
     from volviz.model.volume import Volume
 
 #: Clip planes that the polygon mapper takes; with more the mesh itself is cut.
@@ -57,24 +59,39 @@ class _Drawn:
 
     def __init__(self) -> None:
         self.surface: _Surface | None = None
+        self.mesh: Any = None
+        self.colors: SurfaceColors | None = None
+        self.painting = Painting()
         self.actor = vtk.vtkActor()
         self.mapper = vtk.vtkPolyDataMapper()
         self.mapper.ScalarVisibilityOff()
         self.actor.SetMapper(self.mapper)
         self.errors = ErrorWords(self.mapper, self.actor)
 
-    def show(self, surface: _Surface) -> None:
-        """Show this surface; nothing happens when it is shown already."""
-        if surface is not self.surface:
-            self.surface = surface
-            self.mapper.SetInputData(surface.mesh)
+    def show(self, surface: _Surface, mesh: Any) -> None:
+        """Show this surface by its mesh, or by a painted copy; nothing happens when it is shown already."""
+        if surface is not self.surface or mesh is not self.mesh:
+            self.surface, self.mesh = surface, mesh
+            self.mapper.SetInputData(mesh)
             self.actor.SetUserMatrix(surface.placed.matrix)
+
+    def color(self, colors: SurfaceColors | None) -> None:
+        """Colour by the values of a painted copy, or not."""
+        if colors is not None:
+            set_material(self.actor.GetProperty())
+        if colors is not self.colors:
+            self.colors = colors
+            if colors is None:
+                self.mapper.ScalarVisibilityOff()
+            else:
+                show_colors(self.mapper, colors)
 
     def release(self, window: Any) -> None:
         """Release what lies on the GPU; the context is current."""
         self.actor.ReleaseGraphicsResources(window)
         self.mapper.RemoveAllInputs()
-        self.surface = None
+        self.painting.close()
+        self.surface = self.mesh = None
 
 
 class SurfaceProp:
@@ -124,18 +141,31 @@ class SurfaceProp:
             tuple(planes[MAX_PLANES:]),
         )
         surface = self._stand_in(frame, wish) if frame.interactive else None
-        drawn = self._drawn[surface is not None]
+        is_stand_in = surface is not None
         if surface is None:
             surface = self._background.get(wish, lambda: self._extract(wish), PATIENCE)
             self._full = surface or self._full
         if surface is None:
             # while something moves, the surface of before is better than a picture that stands still
-            drawn = self._now
-            if not frame.interactive or drawn.surface is None or drawn.surface.wish.volume is not volume:
+            surface, is_stand_in = self._now.surface, self._now is self._drawn[True]
+            if not frame.interactive or surface is None or surface.wish.volume is not volume:
                 return False
-            surface = drawn.surface
+        mesh, colors = surface.mesh, frame.surface_colors
+        drawn = self._drawn[is_stand_in]
+        if colors is not None and surface.triangles:
+            # the surface of before must not get the colours of this one
+            if surface.wish.isovalue != wish.isovalue:
+                return False
+            coarse = is_stand_in or settings.wireframe or self._is_slow(frame, 3 * surface.triangles)
+            drawn = self._drawn[is_stand_in or (frame.interactive and coarse)]
+            patience = MOVING_PATIENCE if frame.interactive else PATIENCE
+            mesh = drawn.painting.get(
+                surface.mesh, surface.placed.to_world, colors.values, patience, stand_in=coarse
+            )
+            if mesh is None:
+                return False
         self._now = drawn
-        drawn.show(surface)
+        drawn.show(surface, mesh)
         set_planes(drawn.mapper, planes[:MAX_PLANES])
         look = drawn.actor.GetProperty()
         look.SetColor(*settings.color)
@@ -146,7 +176,14 @@ class SurfaceProp:
         look.SetSpecularPower(settings.shininess)
         look.SetInterpolation(2 if wish.smooth else 0)
         look.SetRepresentation(1 if settings.wireframe else 2)
+        drawn.color(None if mesh is surface.mesh else colors)
         return True
+
+    @staticmethod
+    def _is_slow(frame: Frame, triangles: int) -> bool:
+        """Whether a moving picture cannot have so many triangles."""
+        limit = MOVING_TRIANGLES if frame.gpu.limits.software else MOVING_TRIANGLES_HARDWARE
+        return frame.interactive and triangles > limit
 
     def _stand_in(self, frame: Frame, wish: _Wish) -> _Surface | None:
         """A coarser mesh where the full one has too many triangles to be moved; None where it has not."""

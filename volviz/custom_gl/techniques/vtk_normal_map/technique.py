@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.background import Background
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.vtk_normal_map.plane_maps import PlaneMaps, PlaneWish, plane_maps
 from volviz.custom_gl.vtk_props import border as vtk
-from volviz.custom_gl.vtk_props.background import Background
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.model.cut_plane import default_cut_plane
 

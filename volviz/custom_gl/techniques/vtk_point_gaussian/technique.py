@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from volviz.custom_gl.background import Background
 from volviz.custom_gl.splat_selection import lattice_steps, splats_of
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.vtk_point_gaussian.cloud import Cloud
-from volviz.custom_gl.vtk_props.background import Background
 from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
 from volviz.kernels.splats import Splats
 from volviz.model.auto_isovalue import auto_isovalue

@@ -11,7 +11,7 @@ Result = TypeVar("Result")
 
 
 class Background(Generic[Key, Result]):
-    """Makes results of keys; VTK's filters run here without holding the window up.
+    """Makes results of keys; VTK's filters and searches run here without holding the window up.
 
     A result that nobody wants any more is finished and dropped: VTK's filters cannot be interrupted from another
     thread.
@@ -54,7 +54,9 @@ class Background(Generic[Key, Result]):
             raise error
         if self._result is not None and self._result[0] == key:
             return self._result[1]
-        self._thread = threading.Thread(target=self._work, args=(key, make), name="volviz-vtk", daemon=True)
+        self._thread = threading.Thread(
+            target=self._work, args=(key, make), name="volviz-background", daemon=True
+        )
         self._thread.start()
         self._thread.join(patience)
         return self._result[1] if self._result is not None and self._result[0] == key else None

@@ -1,0 +1,122 @@
+"""Values of a surface on the meshes that are drawn of it, and their colours on the GPU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from volviz.custom_gl.background import Background
+from volviz.custom_gl.mesh_drawing.store import ReadyMesh
+from volviz.custom_gl.mesh_drawing.world import world_places
+from volviz.model.surface_values import SurfaceColors, SurfaceValues
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.gpu.context import Gpu
+    from volviz.custom_gl.gpu.programs import Program
+
+Floats = npt.NDArray[np.float32]
+
+#: Meshes whose values are kept: the full one and the stand-ins of a drag.
+KEPT = 4
+#: Ambient, diffuse, specular, exponent: shape is to be seen, and colours are to be compared.
+MATERIAL = (0.45, 0.55, 0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class MeshValues:
+    """Numbers on one mesh.
+
+    Attributes
+    ----------
+    at_vertices : ndarray of shape (V,), float32
+    at_middles : ndarray of shape (F,), float32, or None
+        At the middles of triangles; None for a stand-in, whose vertices have means of what is around.
+    """
+
+    at_vertices: Floats
+    at_middles: Floats | None = None
+
+
+class _Wish(NamedTuple):
+    """Which values on which mesh; all three are compared by identity."""
+
+    mesh: ReadyMesh
+    values: SurfaceValues
+    stand_in: bool
+
+
+class ValueColors:
+    """Finds the values of the meshes of one technique, on a thread, and brings their colours to a shader."""
+
+    def __init__(self) -> None:
+        self._background: Background[_Wish, MeshValues] = Background()
+        self._kept: list[tuple[_Wish, MeshValues]] = []
+        self._table: Any = None
+        self._texture: Any = None
+
+    def get(
+        self, mesh: ReadyMesh, values: SurfaceValues, patience: float, *, stand_in: bool
+    ) -> MeshValues | None:
+        """Values on a mesh, or None while they are looked for.
+
+        Parameters
+        ----------
+        mesh : ReadyMesh
+            What is drawn.
+        values : SurfaceValues
+            Of the surface that it shows, or stands for.
+        patience : float
+            Seconds to wait.
+        stand_in : bool
+            Give the vertices means of what is around them, and triangles nothing.
+        """
+        wish = _Wish(mesh, values, stand_in)
+        found = next((made for other, made in self._kept if other == wish), None)
+        if found is None:
+            found = self._background.get(wish, lambda: _looked_up(wish), patience)
+            if found is not None:
+                self._kept = [*self._kept, (wish, found)][-KEPT:]
+        return found
+
+    def set(self, gpu: Gpu, program: Program, colors: SurfaceColors) -> None:
+        """Give a program the colours."""
+        if self._table is not colors.table:
+            self._drop_texture()
+            data = (colors.table.astype(np.float32) / np.float32(255)).tobytes()
+            self._texture = gpu.gl.texture((len(colors.table), 1), 3, data, dtype="f4")
+            self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            self._texture.repeat_x = self._texture.repeat_y = False
+            self._table = colors.table
+        program.use_texture("t_value_colors", self._texture)
+        # low and high lie in the middles of the first and the last texel
+        count = len(colors.table)
+        scale = (count - 1) / count / (colors.high - colors.low)
+        program.set(
+            {
+                "u_value_scale": scale,
+                "u_value_offset": 0.5 / count - colors.low * scale,
+                "u_material": MATERIAL,
+            }
+        )
+
+    def _drop_texture(self) -> None:
+        if self._texture is not None:
+            self._texture.release()
+        self._texture = self._table = None
+
+    def release(self) -> None:
+        """Release the colours and stop the thread; the context is current."""
+        self._background.close()
+        self._kept.clear()
+        self._drop_texture()
+
+
+def _looked_up(wish: _Wish) -> MeshValues:
+    vertices, faces = world_places(wish.mesh)
+    if wish.stand_in:
+        return MeshValues(wish.values.around(vertices))
+    return MeshValues(*wish.values.at(vertices, faces))
