@@ -250,6 +250,14 @@ class Actions(QObject):
             action.setData(mode)
             modes.addAction(action)
             self.modes.append(action)
+        self.distances = self._make(
+            tr("Distance of the s&urfaces"),
+            compare.color_distances,
+            "Shift+F9",
+            "",
+            tr("Colour two surfaces of triangles by the distance of their points to each other"),
+            checkable=True,
+        )
         self.with_vtk = self._make(
             tr("Compare with &VTK"),
             compare.compare_with_vtk,
@@ -324,6 +332,7 @@ class Actions(QObject):
                     self.with_vtk,
                     self._window.compare_dock.toggleViewAction(),
                     *self.modes,
+                    self.distances,
                     self.next_view,
                     self.close_view,
                 ],

@@ -27,6 +27,7 @@ from volviz_ui.compare.crosscheck import CrosscheckPanel
 from volviz_ui.compare.measurements import Measurements
 from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.reports import Reports
+from volviz_ui.compare.surface_distances import SurfaceDistances
 from volviz_ui.compare.view_area import ViewArea
 from volviz_ui.dialogs.about import AboutDialog
 from volviz_ui.dialogs.error import sentence_of, show_error
@@ -135,6 +136,15 @@ class MainWindow(QMainWindow):
         )
         self.measurements = Measurements(
             self.store, self.documents, self.views, self.workers, self.compare_panel, self
+        )
+        self.surface_distances = SurfaceDistances(
+            self.store,
+            self.documents,
+            self.views,
+            self.workers,
+            self.compare_panel.distances,
+            self.measurements.meshes,
+            self,
         )
         self.surface = Surface(self.store, self.workers, self)
         self.reports = Reports(self, self.compare_panel)
@@ -258,6 +268,7 @@ class MainWindow(QMainWindow):
         show_value(self.store, lambda scene: len(scene.views), self._show_view_count)
         show_value(self.store, lambda scene: scene.active_index, self._show_active)
         show_value(self.store, lambda scene: scene.comparison.mode, self._show_mode)
+        show_value(self.store, lambda scene: scene.comparison.distances, self._show_distances)
         self._show_history()
 
     def _restore(self) -> None:
@@ -385,6 +396,9 @@ class MainWindow(QMainWindow):
     def _show_mode(self, mode: str) -> None:
         for action in self.actions_.modes:
             action.setChecked(action.data() == mode)
+
+    def _show_distances(self, distances: str) -> None:
+        self.actions_.distances.setChecked(distances != "off")
 
     def _show_active(self, _index: int) -> None:
         # panes are made by an earlier listener of the store
@@ -562,6 +576,7 @@ class MainWindow(QMainWindow):
         self.ray_inspector.close()
         self.transfer_editor.close_workers()
         self.measurements.close()
+        self.surface_distances.close()
         self.reports.close()
         self.compilers.close()
         self.workers.close()

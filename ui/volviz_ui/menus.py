@@ -93,6 +93,7 @@ class Menus:
         compare.addAction(window.crosscheck_dock.toggleViewAction())
         compare.addSeparator()
         compare.addActions(actions.modes)
+        compare.addAction(actions.distances)
         compare.addSeparator()
         compare.addActions([actions.next_view, actions.swap_views, actions.close_view])
         compare.addSeparator()

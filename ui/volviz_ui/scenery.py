@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz_ui.viewport import Viewport
@@ -29,6 +30,9 @@ class Scenery:
         self._shown: dict[str, bool] = dict.fromkeys(NAMES, False)
         self._box: Any = None
         self._bar: Any = None
+        self._values: SurfaceColors | None = None
+        self._words = ""
+        self._values_shown: Any = None
         self._marker = False
         viewport.set_background(BOTTOM, top=TOP)
 
@@ -62,6 +66,33 @@ class Scenery:
         self._function = function
         if self._bar is not None and self._volume is not None and function is not None:
             self._bar.SetLookupTable(_table(function, self._volume))
+
+    def show_values(self, colors: SurfaceColors | None, words: str = "") -> None:
+        """Explain the colours of a surface by a bar, in the place of that of the transfer function.
+
+        Parameters
+        ----------
+        colors : SurfaceColors or None
+            None for no bar.
+        words : str
+            Title of the bar; without one a line at the lower edge, or nothing.
+        """
+        if colors is self._values and words == self._words:
+            return
+        self._values, self._words = colors, words
+        if self._values_shown is not None:
+            self._viewport.renderer.RemoveViewProp(self._values_shown)
+            self._values_shown = None
+        if colors is not None:
+            self._values_shown = _bar(_value_table(colors), words)
+            # also narrow views have room for numbers there
+            self._values_shown.SetTextPositionToPrecedeScalarBar()
+        elif words:
+            self._values_shown = _line(words)
+        if self._values_shown is not None:
+            self._viewport.renderer.AddViewProp(self._values_shown)
+        self._show_bar(self._shown["bar"])
+        self._viewport.render()
 
     def _show_box(self, on: bool) -> None:
         if self._box is not None:
@@ -123,25 +154,45 @@ class Scenery:
         if self._bar is not None:
             self._viewport.renderer.RemoveViewProp(self._bar)
             self._bar = None
-        if on and self._volume is not None and self._function is not None:
-            bar = pv._vtk.vtkScalarBarActor()  # noqa: SLF001 - PyVista's own needs a mesh with scalars
-            bar.SetLookupTable(_table(self._function, self._volume))
-            bar.SetTitle(f"{self._volume.unit}\n" if self._volume.unit else "")
-            bar.SetNumberOfLabels(5)
-            bar.SetMaximumNumberOfColors(256)
-            bar.SetUnconstrainedFontSize(True)
-            for text in (bar.GetLabelTextProperty(), bar.GetTitleTextProperty()):
-                text.SetColor(*pv.Color(FOREGROUND).float_rgb)
-                text.SetFontSize(12)
-                text.SetShadow(False)
-                text.SetItalic(False)
-                text.SetBold(False)
-            bar.SetLabelFormat("%.4g")
-            bar.SetPosition(0.92, 0.25)
-            bar.SetWidth(0.06)
-            bar.SetHeight(0.5)
-            self._viewport.renderer.AddViewProp(bar)
-            self._bar = bar
+        if on and self._volume is not None and self._function is not None and self._values is None:
+            self._bar = _bar(_table(self._function, self._volume), self._volume.unit)
+            self._viewport.renderer.AddViewProp(self._bar)
+
+
+def _bar(table: Any, title: str) -> Any:
+    """A bar of colours with numbers, at the right edge."""
+    bar = pv._vtk.vtkScalarBarActor()  # noqa: SLF001 - PyVista's own needs a mesh with scalars
+    bar.SetLookupTable(table)
+    bar.SetTitle(f"{title}\n" if title else "")
+    bar.SetNumberOfLabels(5)
+    bar.SetMaximumNumberOfColors(256)
+    bar.SetUnconstrainedFontSize(True)
+    for text in (bar.GetLabelTextProperty(), bar.GetTitleTextProperty()):
+        _write_plainly(text)
+    bar.SetLabelFormat("%.4g")
+    bar.SetPosition(0.92, 0.25)
+    bar.SetWidth(0.06)
+    bar.SetHeight(0.5)
+    return bar
+
+
+def _line(words: str) -> Any:
+    """A line of text above the middle of the lower edge."""
+    line = pv._vtk.vtkTextActor()  # noqa: SLF001 - PyVista's own has its place in pixels
+    line.SetInput(words)
+    _write_plainly(line.GetTextProperty())
+    line.GetTextProperty().SetJustificationToCentered()
+    line.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
+    line.SetPosition(0.5, 0.03)
+    return line
+
+
+def _write_plainly(text: Any) -> None:
+    text.SetColor(*pv.Color(FOREGROUND).float_rgb)
+    text.SetFontSize(12)
+    text.SetShadow(False)
+    text.SetItalic(False)
+    text.SetBold(False)
 
 
 def background_picture(color: tuple[float, float, float] | None, size: tuple[int, int]) -> np.ndarray:
@@ -161,4 +212,11 @@ def _table(function: TransferFunction, volume: Volume) -> Any:
     colors[:, 3] = 1.0
     table.values = np.rint(colors * 255).astype(np.uint8)
     table.scalar_range = (low, max(high, low + 1e-9))
+    return table
+
+
+def _value_table(colors: SurfaceColors) -> Any:
+    table = pv.LookupTable(n_values=len(colors.table))
+    table.values = np.hstack([colors.table, np.full((len(colors.table), 1), 255, np.uint8)])
+    table.scalar_range = (colors.low, colors.high)
     return table

@@ -50,10 +50,23 @@ class DistanceMap:
         """Distances of the middles of the triangles, shape (F,)."""
         return self.values.at_middles
 
+    def prepare(self) -> None:
+        """Do now, on a worker, what figures and colours would need time for when they are asked for."""
+        self.values.prepare()
+        _ = self._sizes
+
     @cached_property
     def _sizes(self) -> Array:
         used = np.bincount(self.values.faces.ravel(), minlength=len(self.at_vertices)) > 0
         return np.abs(np.concatenate([self.at_vertices[used], self.at_middles]).astype(np.float64))
+
+    def without_sign(self) -> DistanceMap:
+        """The same distances, all of them positive."""
+        if not self.is_signed:
+            return self
+        values = self.values
+        sizes = np.abs(values.at_vertices), np.abs(values.at_middles)
+        return DistanceMap(SurfaceValues(values.vertices, values.faces, *sizes), is_signed=False)
 
     @property
     def maximum(self) -> float:

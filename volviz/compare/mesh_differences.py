@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -87,6 +88,20 @@ class CaseDifference:
     area_difference: float
 
 
+def position_tolerance(positions: Sequence[Array], spacing: tuple[float, float, float]) -> float:
+    """Distance up to which two positions are the same, in world units: 32-bit floats say no more.
+
+    Parameters
+    ----------
+    positions : sequence of ndarrays of shape (N, 3)
+        World positions (x, y, z).
+    spacing : tuple of 3 floats
+        Of the volume.
+    """
+    largest = max((float(np.abs(p).max()) for p in positions if len(p)), default=0.0)
+    return float(np.sqrt(3) * max(1e-5 * min(spacing), 2 * float(np.spacing(np.float32(largest)))))
+
+
 def match_vertices(
     ours: Array, theirs: Array, spacing: tuple[float, float, float]
 ) -> tuple[VertexMatch, Array]:
@@ -106,8 +121,7 @@ def match_vertices(
         For each of their vertices the nearest of ours, or -1.
     """
     positions, others = np.asarray(ours, np.float64), np.asarray(theirs, np.float64)
-    largest = max((float(np.abs(p).max()) for p in (positions, others) if len(p)), default=0.0)
-    tolerance = np.sqrt(3) * max(1e-5 * min(spacing), 2 * float(np.spacing(np.float32(largest))))
+    tolerance = position_tolerance((positions, others), spacing)
     if not len(positions) or not len(others):
         distance = 0.0 if len(positions) == len(others) else np.inf
         match = VertexMatch(len(positions), len(others), len(positions), len(others), distance, tolerance)

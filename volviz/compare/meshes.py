@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -33,17 +33,45 @@ def side_mesh(volume: Volume, technique: str, settings: Mapping[str, Any]) -> Me
     settings : mapping
         Its settings by name.
     """
+    mesh = drawn_mesh(volume, technique, settings)
+    return None if mesh is None else cleaned(mesh)
+
+
+def cleaned(mesh: Mesh) -> Mesh:
+    """A mesh with one vertex at one place and without triangles that have no area."""
+    vertices, faces, _ = clean_mesh(np.asarray(mesh[0]), np.asarray(mesh[1]), None)
+    return vertices, faces
+
+
+def drawn_mesh(
+    volume: Volume,
+    technique: str,
+    settings: Mapping[str, Any],
+    *,
+    cancel: Callable[[], bool] | None = None,
+) -> Mesh | None:
+    """The mesh as a technique draws it, vertex by vertex; None for techniques that draw none.
+
+    Parameters
+    ----------
+    volume, technique, settings
+        As for `side_mesh`.
+    cancel : callable, optional
+        Asked now and then by our own extraction and filters; when it returns True they end with `Cancelled`.
+
+    Returns
+    -------
+    tuple or None
+        Vertices (V, 3) in the world and faces (F, 3).
+    """
     if technique not in _FILTERS and technique not in _OURS:
         return None
     isovalue = settings.get("isovalue")
     if isovalue is None:
         isovalue = auto_isovalue(volume)
     if technique in _FILTERS:
-        mesh = vtk_contour(_as_drawn(volume, int(settings.get("stride", 1))), isovalue, _FILTERS[technique])
-    else:
-        mesh = _ours(volume, technique, isovalue, settings)
-    vertices, faces, _ = clean_mesh(np.asarray(mesh[0]), np.asarray(mesh[1]), None)
-    return vertices, faces
+        return vtk_contour(_as_drawn(volume, int(settings.get("stride", 1))), isovalue, _FILTERS[technique])
+    return _ours(volume, technique, isovalue, settings, cancel)
 
 
 def _as_drawn(volume: Volume, stride: int) -> Volume:
@@ -57,7 +85,13 @@ def _as_drawn(volume: Volume, stride: int) -> Volume:
     return Volume(array, spacing=(x, y, z), origin=volume.origin, direction=volume.direction)
 
 
-def _ours(volume: Volume, technique: str, isovalue: float, settings: Mapping[str, Any]) -> Mesh:
+def _ours(
+    volume: Volume,
+    technique: str,
+    isovalue: float,
+    settings: Mapping[str, Any],
+    cancel: Callable[[], bool] | None,
+) -> Mesh:
     from volviz.mesh import extract_isosurface, triangle_arrays
 
     parts = settings.get("parts", "all")
@@ -72,5 +106,6 @@ def _ours(volume: Volume, technique: str, isovalue: float, settings: Mapping[str
             min_triangles=int(settings.get("part_triangles", 0)) if parts == "large" else 0,
             smooth=int(settings.get("smoothing", 0)),
             decimate=float(settings.get("decimation", 0.0)),
+            cancel=cancel,
         )
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -9,10 +10,12 @@ from volviz.errors import InputError
 
 Mode = Literal["side_by_side", "wipe", "blink", "difference"]
 Map = Literal["signed", "absolute", "ssim"]
+Distances = Literal["off", "signed", "absolute"]
 Channel = Literal["luminance", "rgb", "red", "green", "blue"]
 
 MODES: tuple[Mode, ...] = ("side_by_side", "wipe", "blink", "difference")
 MAPS: tuple[Map, ...] = ("signed", "absolute", "ssim")
+DISTANCES: tuple[Distances, ...] = ("off", "signed", "absolute")
 CHANNELS: tuple[Channel, ...] = ("luminance", "rgb", "red", "green", "blue")
 MOST_VIEWS = 4
 PERIODS = (0.2, 5.0)
@@ -39,6 +42,10 @@ class Comparison:
         Of what: "rgb" keeps the three channels apart.
     limit : float or None
         Difference that gets the strongest colour, in levels of 0..255, 1..255; None: the largest there is.
+    distances : {"off", "signed", "absolute"}
+        Whether two surfaces of triangles are coloured by their distance to each other, with a sign or without.
+    distance_limit : float or None
+        Distance that gets the strongest colour, in world units, above 0; None: the largest there is.
 
     Raises
     ------
@@ -53,12 +60,15 @@ class Comparison:
     map: Map = "signed"
     channel: Channel = "luminance"
     limit: float | None = None
+    distances: Distances = "off"
+    distance_limit: float | None = None
 
     def __post_init__(self) -> None:
         for name, value, known in (
             ("mode", self.mode, MODES),
             ("map", self.map, MAPS),
             ("channel", self.channel, CHANNELS),
+            ("distances", self.distances, DISTANCES),
         ):
             if value not in known:
                 raise InputError(f"{name} of a comparison is one of {', '.join(known)}, got {value!r}.")
@@ -71,6 +81,9 @@ class Comparison:
         ):
             if number is not None and not low <= number <= high:
                 raise InputError(f"{name} of a comparison lies within {low:g} and {high:g}, got {number!r}.")
+        limit = self.distance_limit
+        if limit is not None and not 0.0 < limit < math.inf:
+            raise InputError(f"distance_limit of a comparison is a length above 0, got {limit!r}.")
 
     def pair_of(self, count: int) -> tuple[int, int]:
         """The compared ones of so many views, at least two: what is not there gives way to a neighbour."""

@@ -92,6 +92,10 @@ class SurfaceValues:
         corners = self.at_vertices[self.faces[nearest]].sum(axis=1)
         return np.asarray(corners * np.float32(2 / 9) + self.at_middles[nearest] / np.float32(3), np.float32)
 
+    def prepare(self) -> None:
+        """Do now, where nobody waits, what the first call of `around` would need time for."""
+        self._tree("middles")
+
     def _is_mesh_of(self, vertices: Array, faces: Array) -> bool:
         if self.vertices.shape != vertices.shape or self.faces.shape != faces.shape:
             return False

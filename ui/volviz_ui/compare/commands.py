@@ -133,6 +133,22 @@ class CompareCommands(QObject):
 
         self._look(looked_at)
 
+    def color_distances(self, on: bool) -> None:
+        """Colour two surfaces by their distance, or give them their own colours back; say where there are not two."""
+        scene = self._store.scene
+        self.change(distances="signed" if on else "off")
+        if not on:
+            return
+        self.show_panel()
+        pair = self._window.views.arrangement.pair
+        if pair is None or not all(current_technique(scene, pane.view).colors_surface for pane in pair):
+            self._window.status_line.showMessage(
+                self.tr(
+                    "Distances are shown where two views draw surfaces of triangles, as Marching cubes does"
+                ),
+                8000,
+            )
+
     def change(self, **changes: Any) -> None:
         """Look at the views in another way; like the camera no step of the history."""
         self._look(lambda scene: replace(scene, comparison=replace(scene.comparison, **changes)))

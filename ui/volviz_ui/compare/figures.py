@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from volviz.compare.mesh_metrics import MeshMetrics, mesh_metrics
-from volviz.compare.meshes import Mesh, side_mesh
+from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
 from volviz.compare.pictures import PictureMetrics, compare_pictures, similarity_picture, ssim_map
 from volviz.compare.samples import RaySamples, ray_samples
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
+from volviz.custom_gl.technique import surface_settings
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.parameters import parameters_of
@@ -57,38 +59,66 @@ class MeshStore:
     """The meshes of the last few sides: they take seconds to extract and do not change with the camera."""
 
     def __init__(self) -> None:
-        self._meshes: dict[Any, tuple[Mesh, MeshMetrics] | None] = {}
+        self._drawn: dict[Any, Mesh | None] = {}
+        self._measured: dict[Any, tuple[Mesh, MeshMetrics] | None] = {}
         self._distances: dict[Any, SurfaceDistance] = {}
+        # figures and colours of one pair need the same meshes at the same time
+        self._lock = threading.Lock()
 
     def clear(self) -> None:
-        """Forget all: another volume is shown."""
-        self._meshes.clear()
-        self._distances.clear()
+        """Forget all: another volume is shown. What is being made meanwhile is kept apart by its volume."""
+        for kept in (self._drawn, self._measured, self._distances):
+            kept.clear()
+
+    def drawn(
+        self, volume: Volume, technique: str, settings: Any, cancel: Callable[[], bool] | None = None
+    ) -> Mesh | None:
+        """The mesh as a technique draws it, None when it draws none.
+
+        Raises
+        ------
+        Cancelled
+            `cancel` said so.
+        """
+        key = mesh_key(volume, technique, settings)
+        with self._lock:
+            if key in self._drawn:
+                return self._drawn[key]
+            values = {p.name: getattr(settings, p.name) for p in parameters_of(type(settings))}
+            mesh = drawn_mesh(volume, technique, values, cancel=cancel)
+            return _keep(self._drawn, key, mesh, MESHES_KEPT)
 
     def mesh(self, volume: Volume, side: Side) -> tuple[Mesh, MeshMetrics] | None:
-        """The mesh of a side and its figures, None when it draws none."""
-        key = _mesh_key(side)
-        if key not in self._meshes:
-            values = {p.name: getattr(side.settings, p.name) for p in parameters_of(type(side.settings))}
-            made = side_mesh(volume, side.technique, values)
-            self._meshes[key] = None if made is None else (made, mesh_metrics(*made))
-            while len(self._meshes) > MESHES_KEPT:
-                self._meshes.pop(next(iter(self._meshes)))
-        return self._meshes[key]
+        """The mesh of a side without vertices at one place, and its figures; None when it draws none."""
+        key = mesh_key(volume, side.technique, side.settings)
+        if key in self._measured:
+            return self._measured[key]
+        drawn = self.drawn(volume, side.technique, side.settings)
+        made = None if drawn is None else cleaned(drawn)
+        return _keep(self._measured, key, None if made is None else (made, mesh_metrics(*made)), MESHES_KEPT)
 
-    def distance(self, sides: tuple[Side, Side], meshes: tuple[Mesh, Mesh]) -> SurfaceDistance | None:
+    def distance(
+        self, volume: Volume, sides: tuple[Side, Side], meshes: tuple[Mesh, Mesh]
+    ) -> SurfaceDistance | None:
         """How far two meshes lie apart, None when one is empty."""
         if not len(meshes[0][1]) or not len(meshes[1][1]):
             return None
-        key = (_mesh_key(sides[0]), _mesh_key(sides[1]))
-        if key not in self._distances:
-            self._distances.clear()
-            self._distances[key] = surface_distance(*meshes)
-        return self._distances[key]
+        key = tuple(mesh_key(volume, side.technique, side.settings) for side in sides)
+        found = self._distances.get(key)
+        return found if found is not None else _keep(self._distances, key, surface_distance(*meshes), 1)
 
 
-def _mesh_key(side: Side) -> tuple[str, Any]:
-    return side.technique, side.settings
+def mesh_key(volume: Volume, technique: str, settings: Any) -> tuple[Any, ...]:
+    """What decides a mesh: equal keys have equal meshes."""
+    return volume, technique, *surface_settings(settings).items()
+
+
+def _keep(kept: dict[Any, Any], key: Any, value: Any, most: int) -> Any:
+    """Remember a value and forget the oldest ones."""
+    kept[key] = value
+    for old in list(kept)[:-most]:
+        kept.pop(old, None)
+    return value
 
 
 def pair_figures(
@@ -122,7 +152,7 @@ def pair_figures(
         meshes.append(store.mesh(volume, side))
     check()
     one, other = meshes
-    distance = None if one is None or other is None else store.distance(sides, (one[0], other[0]))
+    distance = None if one is None or other is None else store.distance(volume, sides, (one[0], other[0]))
     return PairFigures(
         pictures,
         similarity,

@@ -40,7 +40,7 @@ class Measurements(QObject):
         self._views = views
         self._workers = workers
         self._panel = panel
-        self._meshes = MeshStore()
+        self.meshes = MeshStore()
         self._task: Task | None = None
         self.figures: PairFigures | None = None
         self.timing = FrameTiming(self)
@@ -90,7 +90,7 @@ class Measurements(QObject):
             Side(current_technique(scene, pane.view).id, current_settings(scene, pane.view), picture)
             for pane, picture in zip(pair, pictures, strict=True)
         ]
-        camera, clipping, meshes = scene.view.camera, scene.clipping, self._meshes
+        camera, clipping, meshes = scene.view.camera, scene.clipping, self.meshes
 
         def work(task: Task) -> PairFigures:
             def check() -> None:
@@ -107,6 +107,8 @@ class Measurements(QObject):
     def _on_measured(self, figures: PairFigures) -> None:
         self.figures = figures
         self._panel.show_figures(figures)
+        if any(pane.display.handle.surface_colors is not None for pane in self._views.arrangement.pair or ()):
+            self._panel.show_state(self.tr("Of the pictures in the colours of the distance."))
         self._views.arrangement.difference.set_similarity(figures.similarity)
 
     def _on_failed(self, error: BaseException) -> None:
@@ -141,7 +143,7 @@ class Measurements(QObject):
     # ------------------------------------------------------------------ what changes
 
     def _on_volume_changed(self, _volume: Volume | None) -> None:
-        self._meshes.clear()
+        self.meshes.clear()
         self._forget()
 
     def _on_scene_changed(self, old: Scene, new: Scene) -> None:

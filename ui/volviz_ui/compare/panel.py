@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QPushButton, QWidget
 from volviz.compare.timing import FrameTimes, ratio
 from volviz.model.scene import Store
 from volviz_ui.compare.convergence_plot import ConvergencePlot, Curve
+from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figure_table import FigureTable
 from volviz_ui.compare.figures import PairFigures
 from volviz_ui.compare.look_section import LookSection
@@ -40,6 +41,7 @@ class ComparePanel(Panel):
         super().__init__(parent)
         self._several = False
         self.look = LookSection(self.tr("Views"), store, commands, self)
+        self.distances = DistanceSection(self.tr("Distance of the surfaces"), store, commands, self)
         self.state = quiet_label("", self)
         self.state.setWordWrap(True)
         self.pictures = self._pictures()
@@ -77,7 +79,8 @@ class ComparePanel(Panel):
         settings = Section(self.tr("Differences in settings"), parent=self)
         settings.add_wide(self.words)
         settings.add_wide(self.match_button)
-        for section in (self.look, pictures, sides, self.mesh_section, settings, self._orders()):
+        sections = (self.look, self.distances, pictures, sides, self.mesh_section, settings, self._orders())
+        for section in sections:
             self.add(section)
         self.add(self._report())
         self.show_nothing("")

@@ -1,0 +1,231 @@
+"""Surfaces in the colours of given values: alike by our pass and by VTK, and only on the surface of these values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import pytest
+
+import volviz
+from tests.render.scenes import LEFT_HANDED, blobs, camera, psnr
+from tests.render.test_marching_interaction import Pacer, complete
+from volviz.compare.distance_colors import distance_colors, distance_table
+from volviz.compare.distance_map import distance_maps
+from volviz.compare.meshes import side_mesh
+from volviz.custom_gl.host.pacing import FULL
+from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.mesh_drawing import technique as mesh_technique
+from volviz.custom_gl.vtk_props import surfaces
+from volviz.errors import InputError
+from volviz.model.surface_values import SurfaceColors, SurfaceValues
+from volviz.offscreen import apply_camera
+
+SIZE = (120, 90)
+COLORED = [ident for ident, info in volviz.techniques().items() if info.colors_surface]
+#: From blue to red, without green.
+BLUE_RED = np.stack([np.arange(256), np.zeros(256), np.arange(255, -1, -1)], axis=1).astype(np.uint8)
+
+
+@pytest.fixture(scope="module")
+def ball() -> volviz.Volume:
+    """A ball of radius 8 about the middle of 25 x 23 x 21 voxels; its isovalue lies between the samples."""
+    z, y, x = np.indices((21, 23, 25)) - np.array([10, 11, 12])[:, None, None, None]
+    return volviz.Volume((20 - np.sqrt(x**2 + y**2 + z**2)).astype(np.float32), spacing=(1.0, 1.2, 0.9))
+
+
+@contextmanager
+def shown(of: volviz.Volume, technique: str, pacer: Any = None) -> Iterator[tuple[Any, Any]]:
+    window = pyvista.Plotter(off_screen=True, window_size=SIZE)
+    window.render_window.SetMultiSamples(0)
+    handle = None
+    try:
+        own = {"isovalue": 12.03} if technique in COLORED else {}
+        handle = volviz.add_volume(window, of, technique, pacer=pacer, **own)
+        apply_camera(window.camera, camera(of))
+        window.reset_camera_clipping_range()
+        window.show(auto_close=False, interactive=False)
+        yield window, handle
+    finally:
+        if handle is not None:
+            handle.remove()
+        window.close()
+
+
+def picture(window: Any, handle: Any) -> Any:
+    window.render()
+    handle.raise_error()
+    return handle.read_picture()
+
+
+def values_along_x(of: volviz.Volume, technique: str, isovalue: float = 12.03) -> SurfaceValues:
+    """The world's x as value."""
+    mesh = side_mesh(of, technique, {"isovalue": isovalue})
+    assert mesh is not None
+    vertices, faces = mesh
+    return SurfaceValues(vertices, faces, vertices[:, 0], vertices[faces].mean(axis=1)[:, 0])
+
+
+def along_x(of: volviz.Volume, technique: str) -> SurfaceColors:
+    low, high = of.bounds[:2]
+    return SurfaceColors(values_along_x(of, technique), low, high, BLUE_RED)
+
+
+def redness(pixels: Any) -> Any:
+    """Red as a share of red and blue: light takes both alike away."""
+    return pixels[:, 0] / (pixels[:, 0] + pixels[:, 2])
+
+
+def test_the_four_mesh_techniques_take_colours() -> None:
+    assert set(COLORED) == {"marching_cubes", "marching_tetrahedra", "vtk_marching_cubes", "vtk_flying_edges"}
+
+
+@pytest.mark.parametrize("technique", COLORED)
+@pytest.mark.parametrize("direction", [np.eye(3), LEFT_HANDED])
+def test_the_colour_of_every_pixel_is_that_of_its_place(
+    ball: volviz.Volume, technique: str, direction: Any
+) -> None:
+    of = volviz.Volume(ball.array, spacing=ball.spacing, origin=(40.0, -7.0, 3.0), direction=direction)
+    low, high = of.bounds[:2]
+    with shown(of, technique) as (window, handle):
+        plain = picture(window, handle)
+        handle.color_surface(along_x(of, technique))
+        found = picture(window, handle)
+        assert np.array_equal(found[..., 3] > 0, plain[..., 3] > 0)
+        places = [
+            ((row, column), handle.pick(column, row).position[0])
+            for row in range(20, 70, 7)
+            for column in range(30, 90, 7)
+            if found[row, column, 3] == 1 and handle.pick(column, row) is not None
+        ]
+        handle.color_surface(None)
+        assert np.array_equal(picture(window, handle), plain)
+    assert len(places) > 20
+    pixels = np.array([found[place] for place, _ in places])
+    expected = np.array([(x - low) / (high - low) for _, x in places])
+    assert redness(pixels) == pytest.approx(expected, abs=0.03)
+
+
+def test_ours_and_vtks_colours_look_alike(ball: volviz.Volume) -> None:
+    pictures = []
+    for technique in ("marching_cubes", "vtk_marching_cubes"):
+        with shown(ball, technique) as (window, handle):
+            handle.color_surface(along_x(ball, technique))
+            pictures.append(picture(window, handle))
+    assert psnr(*pictures) > 40
+
+
+@pytest.mark.parametrize("technique", COLORED)
+def test_a_value_at_the_middles_of_triangles_is_seen(ball: volviz.Volume, technique: str) -> None:
+    values = values_along_x(ball, technique)
+    nothing, ones = np.zeros(len(values.vertices), np.float32), np.ones(len(values.faces), np.float32)
+    spots = SurfaceValues(values.vertices, values.faces, nothing, ones)
+    with shown(ball, technique) as (window, handle):
+        handle.color_surface(SurfaceColors(spots, 0.0, 1.0, BLUE_RED))
+        found = picture(window, handle)
+    share = redness(found[found[..., 3] == 1])
+    # linear from 0 at the corners to 1 in the middle: a third over the area
+    assert share.mean() == pytest.approx(1 / 3, abs=0.03)
+    assert share.max() > 0.8
+
+
+@pytest.mark.parametrize("technique", COLORED)
+def test_colours_end_with_their_surface_and_stay_with_its_look(ball: volviz.Volume, technique: str) -> None:
+    colors = along_x(ball, technique)
+    with shown(ball, technique) as (window, handle):
+        handle.color_surface(colors)
+        red = picture(window, handle)
+        for changes in (
+            {"color": (0.0, 1.0, 0.0)},
+            {"crop": (2, 20, 0, 22, 0, 20)},
+            {"light_position": (9, 9, 99)},
+        ):
+            handle.update(**changes)
+            assert handle.surface_colors is colors
+        handle.update(isovalue=12.5)
+        assert handle.surface_colors is None
+        handle.update(isovalue=12.03, crop=None, headlight=True)
+        assert not np.allclose(picture(window, handle), red, atol=0.1)
+        handle.color_surface(colors)
+        assert np.allclose(picture(window, handle), red, atol=1e-6)
+        handle.update(volume=volviz.Volume(ball.array + np.float32(0.5), spacing=ball.spacing))
+        assert handle.surface_colors is None
+        handle.update(volume=ball)
+        handle.color_surface(colors)
+        handle.update(technique="raycast")
+        assert handle.surface_colors is None
+
+
+def test_what_draws_no_triangles_refuses_colours(ball: volviz.Volume) -> None:
+    colors = along_x(ball, "marching_cubes")
+    with shown(ball, "raycast") as (window, handle):
+        before = picture(window, handle)
+        with pytest.raises(InputError, match="raycast draws no mesh"):
+            handle.color_surface(colors)
+        assert np.array_equal(picture(window, handle), before)
+
+
+@pytest.mark.parametrize("technique", COLORED)
+def test_a_stand_in_is_coloured_while_the_camera_turns(
+    ball: volviz.Volume, technique: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mesh_technique, "STAND_IN_TRIANGLES", 600)
+    monkeypatch.setattr(surfaces, "MOVING_TRIANGLES", 600)
+    with shown(ball, technique, Pacer()) as (window, handle):
+        handle.color_surface(along_x(ball, technique))
+        full = complete(window, handle)
+        handle.begin_interaction()
+        handle._cost.observe(FULL, 1.0)
+        for _ in range(200):
+            window.camera.Azimuth(0.01)
+            window.render()
+            handle.raise_error()
+            if not handle.status.complete and handle.status.waiting in (None, 1.0):
+                break
+        assert not handle.status.complete
+        moving = handle._picture.target.color.read()
+        width, height = handle._picture.target.size
+        pixels = np.frombuffer(moving, np.float32).reshape(height, width, 4)
+        seen = pixels[pixels[..., 3] == 1]
+        assert len(seen) > 15
+        assert redness(seen).mean() == pytest.approx(redness(full[full[..., 3] == 1]).mean(), abs=0.05)
+        # pure red and blue, lit: the surface's own colour has green
+        assert seen[:, 1].max() < 0.01
+        handle.end_interaction()
+        complete(window, handle)
+
+
+def test_other_diagonals_show_between_vertices_that_are_the_same(ball: volviz.Volume) -> None:
+    meshes = [side_mesh(ball, t, {"isovalue": 12.03}) for t in ("marching_cubes", "vtk_flying_edges")]
+    colors = distance_colors(distance_maps(*meshes), ball.spacing)
+    assert colors.are_vertices_same
+    assert not colors.are_same
+    assert 0 < colors.largest < 0.01
+
+
+def test_equal_surfaces_are_pale_and_said_to_be_the_same(ball: volviz.Volume) -> None:
+    meshes = [side_mesh(ball, t, {"isovalue": 12.03}) for t in ("vtk_marching_cubes", "vtk_flying_edges")]
+    colors = distance_colors(distance_maps(*meshes), ball.spacing)
+    assert colors.are_same
+    with shown(ball, "marching_cubes") as (window, handle):
+        handle.color_surface(colors.first)
+        found = picture(window, handle)
+    seen = found[found[..., 3] == 1]
+    assert np.abs(seen[:, 0] - seen[:, 2]).max() < 0.02
+
+
+def test_the_top_of_the_colours_is_the_largest_distance_or_the_one_given() -> None:
+    of = volviz.Volume(blobs((14, 15, 16), np.float32))
+    meshes = [side_mesh(of, t, {"isovalue": 0.53}) for t in ("marching_cubes", "marching_tetrahedra")]
+    maps = distance_maps(*meshes)
+    colors = distance_colors(maps, of.spacing)
+    assert not colors.are_same
+    assert colors.limit == colors.largest == max(each.maximum for each in maps)
+    assert (colors.first.low, colors.first.high) == (-colors.limit, colors.limit)
+    given = distance_colors(distance_maps(*meshes, signed=False), of.spacing, 0.01)
+    assert (given.second.low, given.second.high) == (0.0, 0.01)
+    assert np.array_equal(given.second.table[0], distance_table(signed=True)[128])
+    with pytest.raises(InputError, match="above 0"):
+        distance_colors(maps, of.spacing, 0.0)
