@@ -180,10 +180,8 @@ def test_of_four_views_only_the_compared_two_are_coloured(surfaces: MainWindow, 
     surfaces.actions_.four_views.trigger()
     choose_technique(surfaces.store, "marching_cubes", view=2)
     surfaces.actions_.distances.trigger()
-    # the active view is the one that the first is compared with
-    surfaces.views.activate(1)
     wait_for(lambda: colored(surfaces) == [True, True, False, False])
-    surfaces.views.activate(2)
+    surfaces.compare_commands.change(pair=(0, 2))
     wait_for(lambda: colored(surfaces) == [True, False, True, False])
     assert surfaces.surface_distances.colors.are_same
     surfaces.actions_.one_view.trigger()

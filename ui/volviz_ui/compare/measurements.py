@@ -107,7 +107,8 @@ class Measurements(QObject):
     def _on_measured(self, figures: PairFigures) -> None:
         self.figures = figures
         self._panel.show_figures(figures)
-        if any(pane.display.handle.surface_colors is not None for pane in self._views.arrangement.pair or ()):
+        handles = [pane.display.handle for pane in self._views.arrangement.pair or ()]
+        if any(handle is not None and handle.surface_colors is not None for handle in handles):
             self._panel.show_state(self.tr("Of the pictures in the colours of the distance."))
         self._views.arrangement.difference.set_similarity(figures.similarity)
 
