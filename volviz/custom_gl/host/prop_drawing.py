@@ -93,7 +93,7 @@ class _Stage:
         program = gpu.programs.get(
             GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": False, "SCENE_DEPTH": False}
         )
-        program.set({"u_picture_size": tuple(float(n) for n in frame.size)})
+        program.set({"u_picture_size": tuple(float(n) for n in frame.size), "u_weight": 1.0})
         program.use_texture("t_picture", self.color)
         gl.enable_only(moderngl.NOTHING)
         gpu.draw_fullscreen(program)
