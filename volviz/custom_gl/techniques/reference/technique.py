@@ -61,7 +61,7 @@ class Reference:
         program = gpu.programs.get(
             GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": False, "SCENE_DEPTH": False}
         )
-        program.set({"u_picture_size": tuple(float(n) for n in self._texture.size)})
+        program.set({"u_picture_size": tuple(float(n) for n in self._texture.size), "u_weight": 1.0})
         program.use_texture("t_picture", self._texture)
         gpu.gl.scissor = frame.tiles[chunk]
         gpu.draw_fullscreen(program)
