@@ -1,7 +1,7 @@
 """Settings that bring two techniques as near to one another as they come, and the rest in words.
 
-Settings of the same name mean the same everywhere, so matching copies values. What a technique cannot follow is a
-property of it: VTK's ray caster samples the far ends of whole steps, whatever ours does. So ours follows where it can,
+Settings of the same name mean the same almost everywhere (`OTHER_MEANING`), so matching copies values. What a technique
+cannot follow is a property of it: VTK's ray caster samples the far ends of whole steps, whatever ours does. So ours follows where it can,
 and a sentence says what stays different where it cannot.
 """
 
@@ -49,6 +49,15 @@ FIXED: Mapping[str, Mapping[str, Any]] = {
     },
     "vtk_normal_map": {"surface": "plane", "normal_source": "data", "lighting": "pixel", "dot3": "rgb"},
 }
+
+
+#: Settings of one name that mean something else in two techniques: the share of blurred light that half-angle slicing
+#: looks up, and VTK's blend from lighting by the gradient (0, without any shadow) to scattering with shadows (2).
+OTHER_MEANING: Mapping[frozenset[str], frozenset[str]] = {
+    frozenset({"half_angle", "vtk_shadows"}): frozenset({"scattering"}),
+}
+#: How a technique that always lights shows matter that is not lit by its gradient: its colour, as bright as its light.
+UNLIT: Mapping[str, Mapping[str, Any]] = {"vtk_shadows": {"diffuse": 1.0, "specular": 0.0}}
 
 
 @lru_cache(maxsize=1)
@@ -100,6 +109,12 @@ def match(technique: str, settings: Any, other: str, *, light: Light | None = No
     known = {p.name: p for p in info.parameters}
     wanted = {p.name: getattr(settings, p.name) for p in parameters_of(type(settings))}
     wanted |= FIXED.get(technique, {})
+    if wanted.get("shading") is False:
+        wanted |= UNLIT.get(other, {})
+    if technique in UNLIT:
+        wanted["shading"] = any(wanted[name] != value for name, value in UNLIT[technique].items())
+    for name in OTHER_MEANING.get(frozenset({technique, other}), ()):
+        wanted.pop(name, None)
     for name, value in wanted.items():
         if name in known:
             try:

@@ -103,3 +103,21 @@ def test_sides_that_are_not_matched_keep_their_defaults():
     first, second = match_sides([("raycast", {"step": 0.25}), ("vtk_gpu", {})], matched=False)
     assert (first.settings.first_sample, second.settings.step) == (0.5, 0.5)
     assert first.differences["vtk_gpu"]
+
+
+@pytest.mark.parametrize("given", [0.0, 0.5])
+def test_vtks_shadows_are_not_switched_off_by_a_setting_of_the_same_name(given: float) -> None:
+    settings = make_settings(technique("half_angle").settings, {"scattering": given}, owner="half_angle")
+    followed, _ = match("half_angle", settings, "vtk_shadows")
+    # 0 would be lighting by the gradient alone, without any shadow
+    assert followed.scattering == technique("vtk_shadows").settings().scattering > 0
+    back, _ = match("vtk_shadows", followed, "half_angle")
+    assert back.scattering == technique("half_angle").settings().scattering
+
+
+def test_matter_that_is_not_lit_by_its_gradient_is_as_bright_in_vtks_shadows() -> None:
+    make = technique("half_angle").settings
+    plain, _ = match("half_angle", make(shading=False), "vtk_shadows")
+    lit, _ = match("half_angle", make(shading=True), "vtk_shadows")
+    assert (plain.diffuse, plain.specular) == (1.0, 0.0)
+    assert (lit.diffuse, lit.specular) == (make().diffuse, make().specular)

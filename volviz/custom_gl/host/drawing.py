@@ -317,8 +317,12 @@ class Drawing:
             self.pacer.request(self)
             return
         frame.target.clear()
+        gpu = self._gpu.gpu
         for chunk in range(chunks):
             self._runner.draw(self._shown.info, frame, chunk)
+            if gpu.limits.software:
+                # all at once, the triangles of a mesh would take twice as long
+                gpu.gl.finish()
         if self.pacer is not None:
             # without waiting, only the submission of the work would be timed
             self._gpu.gpu.gl.finish()
