@@ -1,7 +1,8 @@
 """Settings that bring two techniques as near to one another as they come, and the rest in words.
 
 Settings of the same name mean the same almost everywhere (`OTHER_MEANING`), so matching copies values. What a technique
-cannot follow is a property of it: VTK's ray caster samples the far ends of whole steps, whatever ours does. So ours follows where it can,
+cannot follow is a property of it: VTK's ray caster samples the far ends of whole steps, whatever ours does. So ours
+follows where it can,
 and a sentence says what stays different where it cannot.
 """
 
