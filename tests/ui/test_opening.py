@@ -49,7 +49,7 @@ def test_a_dropped_file_is_shown_in_the_middle(
 
 
 def test_the_panels_say_what_was_opened(window: MainWindow) -> None:
-    facts = {key: label.text() for key, label in window.data_panel._facts.items()}
+    facts = {key: label.whole for key, label in window.data_panel._facts.items()}
     assert facts["size"] == "32 × 32 × 32"
     assert facts["range"].startswith("0 … 200")
     assert "32 × 32 × 32" in window.status_line.volume.text()

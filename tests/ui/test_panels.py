@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QAbstractSpinBox
 
 from tests.ui.conftest import drag, foreground, is_complete, picture
 from volviz.custom_gl.registry import techniques
+from volviz.model.volume import Volume
 from volviz_ui.editors.number import STEPS, NumberEditor
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels import form_shelf
@@ -282,3 +283,43 @@ def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
     wait_for(lambda: len(panel.findChildren(SettingsForm)) == len(techniques()))
     assert [form for form in panel.findChildren(SettingsForm) if form.isVisible()] == [panel.form]
     assert panel.form.info.id == "slicing"
+
+
+def test_long_names_and_units_are_shortened_and_make_nothing_wider(window: MainWindow) -> None:
+    panel, unit = window.data_panel, "photons / (s mm² sr) at 540 nm"
+    volume = window.documents.volume
+    before = panel.body.minimumSizeHint().width()
+    name = "a_very_long_name_of_a_measurement_that_goes_on_and_on.nii"
+    long = Volume(volume.array, spacing=(0.123456, 0.234567, 0.345678), unit=unit, name=name)
+    window._on_volume_changed(long)
+    QTest.qWait(20)
+    assert panel.body.minimumSizeHint().width() == before
+    shown = panel._facts["name"]
+    assert shown.whole == name
+    assert shown.text().endswith("…")
+    assert name in shown.toolTip()
+    choose_technique(window.store, "isosurface")
+    field = window.transfer_editor.fields.value
+    assert field.suffix() == ""
+    assert field.sizeHint().width() < 200
+    window._on_volume_changed(volume)
+    assert panel._facts["name"].text() == volume.name
+
+
+def test_one_of_a_unit_is_said_in_the_singular(window: MainWindow) -> None:
+    choose_technique(window.store, "marching_cubes")
+    field = editor(window, "stride").control.field
+    assert field.text() == "1 voxel"
+    field.setValue(2)
+    assert field.text() == "2 voxels"
+
+
+def test_a_narrow_editor_shows_icons_without_words_and_none_cut_off(window: MainWindow) -> None:
+    transfer = window.transfer_editor
+    window.docks[2].setFloating(True)
+    for width, words in ((620, False), (1100, True), (640, False)):
+        window.docks[2].resize(width, 260)
+        QTest.qWait(30)
+        for button in (transfer.color_button, transfer.shape_button, transfer.arrange_button):
+            assert (button.toolButtonStyle() == Qt.ToolButtonStyle.ToolButtonTextBesideIcon) is words
+            assert button.width() >= button.sizeHint().width()

@@ -303,6 +303,7 @@ class Actions(QObject):
                 [
                     self.open,
                     self.open_folder,
+                    self.save_session,
                     self.export_picture,
                     self.export_mesh,
                     self.copy_picture,

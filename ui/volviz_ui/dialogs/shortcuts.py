@@ -17,6 +17,8 @@ from PySide6.QtWidgets import (
 
 from volviz_ui.panels.panel import quiet_label
 
+WORDS_WIDTH = 190
+
 
 class ShortcutsDialog(QDialog):
     """Two columns: keys, and the mouse.
@@ -36,13 +38,24 @@ class ShortcutsDialog(QDialog):
         filled = [(title, actions) for title, actions in filled if actions]
         total = sum(len(actions) + 2 for _title, actions in filled)
         left, right = QVBoxLayout(), QVBoxLayout()
+        tables: dict[QVBoxLayout, list[QGridLayout]] = {left: [], right: []}
         used = 0
         for title, actions in filled:
             rows = [(a.text().replace("&", ""), _keys(a)) for a in actions]
-            (left if used < total / 2 else right).addLayout(self._table(title, rows))
+            column = left if used < total / 2 else right
+            tables[column].append(self._table(title, rows))
             used += len(actions) + 2
-        right.addLayout(self._table(self.tr("Mouse in the viewport"), self._mouse()))
-        for column in (left, right):
+        tables[right].append(self._table(self.tr("Mouse in the viewport"), self._mouse()))
+        for column, grids in tables.items():
+            # the keys of all groups of a column stand below one another
+            widest = max(
+                grid.itemAtPosition(row, 0).sizeHint().width()
+                for grid in grids
+                for row in range(1, grid.rowCount())
+            )
+            for grid in grids:
+                grid.setColumnMinimumWidth(0, max(widest, WORDS_WIDTH))
+                column.addLayout(grid)
             column.setSpacing(16)
             column.addStretch(1)
             columns.addLayout(column)
@@ -77,9 +90,8 @@ class ShortcutsDialog(QDialog):
         for number, (words, keys) in enumerate(rows, start=1):
             grid.addWidget(QLabel(words), number, 0)
             grid.addWidget(quiet_label(keys), number, 1)
-        grid.setColumnMinimumWidth(0, 190)
         grid.setColumnMinimumWidth(1, 130)
-        grid.setColumnStretch(0, 1)
+        grid.setColumnStretch(1, 1)
         return grid
 
 

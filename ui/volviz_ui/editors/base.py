@@ -40,4 +40,6 @@ def tooltip_of(parameter: Parameter) -> str:
     text = parameter.tooltip
     if parameter.minimum is not None and parameter.maximum is not None:
         text += f" ({parameter.minimum:g} to {parameter.maximum:g})"
+    if parameter.unit and parameter.unit != "data":
+        text += f" [{parameter.unit}]"
     return f"<p>{text}</p><p><code>{parameter.name}</code></p>"

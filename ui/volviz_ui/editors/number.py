@@ -13,6 +13,10 @@ from volviz.model.parameters import Parameter
 from volviz_ui.editors.base import Editor, tooltip_of
 
 STEPS = 1000
+LONGEST_UNIT = 8
+"""Characters of a unit that find room in a field."""
+COUNTED = ("voxels", "steps", "pixels")
+"""Units of which there can be one."""
 FIELD_WIDTH = 96
 
 
@@ -45,6 +49,27 @@ class NumberField(QDoubleSpinBox):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         # all of one width, so that sliders beside them line up
         self.setFixedWidth(FIELD_WIDTH)
+        self._unit: str | None = None
+        self.valueChanged.connect(self._show_unit)
+
+    def set_unit(self, unit: str) -> None:
+        """Show a unit behind the number; one that is too long for that is left to the tooltip."""
+        self._unit = unit if len(unit) <= LONGEST_UNIT else ""
+        self._show_unit()
+
+    def setValue(self, value: float) -> None:
+        """Show another value."""
+        super().setValue(value)
+        self._show_unit()
+
+    def _show_unit(self) -> None:
+        if self._unit is None:
+            return  # whoever made the field has given it a suffix, or none
+        one = self.value() == 1 and self._unit in COUNTED
+        unit = self._unit.removesuffix("s") if one else self._unit
+        suffix = f" {unit}" if unit else ""
+        if suffix != self.suffix():
+            self.setSuffix(suffix)
 
     def textFromValue(self, value: float) -> str:
         """Four significant digits are enough to read; the full value is kept."""
@@ -162,7 +187,7 @@ class SliderField(QWidget):
         if scale.whole:
             self.field.setSingleStep(1)
         if unit:
-            self.field.setSuffix(f" {unit}")
+            self.field.set_unit(unit)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(8)

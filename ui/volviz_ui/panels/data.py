@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QLabel, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QWidget
 
 from volviz.model.scene import Store
 from volviz.model.volume import Volume
 from volviz_ui.panels.clip_planes import ClipPlanes
 from volviz_ui.panels.crop import CropBox
+from volviz_ui.panels.fact import Fact
 from volviz_ui.panels.histogram import HistogramView
 from volviz_ui.panels.panel import Panel, Section, quiet_label
 from volviz_ui.workers import Workers
@@ -23,7 +24,7 @@ class DataPanel(Panel):
     def __init__(self, store: Store, workers: Workers, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
-        self._facts: dict[str, QLabel] = {}
+        self._facts: dict[str, Fact] = {}
         facts = Section(self.tr("Volume"), parent=self)
         facts.rows.setVerticalSpacing(3)
         for key, label, tooltip in (
@@ -35,9 +36,7 @@ class DataPanel(Panel):
             ("range", self.tr("Range"), self.tr("Lowest and highest finite value, with the unit")),
             ("nonfinite", self.tr("Not finite"), self.tr("Number of values that are NaN or infinite")),
         ):
-            value = QLabel("–")
-            value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-            value.setToolTip(tooltip)
+            value = Fact(tooltip, facts)
             value.setAccessibleName(label)
             words = facts.add_row(label, value, tooltip=tooltip)
             words.setProperty("quiet", True)
@@ -72,8 +71,7 @@ class DataPanel(Panel):
         """Show another volume."""
         texts = dict.fromkeys(self._facts, "–") if volume is None else facts_of(volume)
         for key, label in self._facts.items():
-            label.setText(texts[key])
-            label.setToolTip(texts[key] if key == "name" else label.toolTip())
+            label.show_text(texts[key])
         has_nonfinite = volume is not None and volume.nonfinite_count > 0
         item, value = self._nonfinite_row
         value.setVisible(has_nonfinite)

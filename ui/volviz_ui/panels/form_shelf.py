@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, Qt, QTimer
+from PySide6.QtWidgets import QApplication
 
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
@@ -64,5 +65,6 @@ class FormShelf(QObject):
     def _make_next(self) -> None:
         missing = next((info for ident, info in techniques().items() if ident not in self._forms), None)
         if missing is not None:
-            self.form(missing)
+            if QApplication.mouseButtons() == Qt.MouseButton.NoButton:
+                self.form(missing)
             self._timer.start(APART_MS)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QPushButton, QWidget
 
 from volviz_ui.icons import set_icon
+from volviz_ui.panels.fact import Fact
 from volviz_ui.panels.panel import Section
 from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.surface import SurfaceFacts
@@ -26,7 +27,7 @@ class SurfaceSection(Section):
         self.title = self.tr("Mesh")
         self.header.setText(self.title)
         self.rows.setVerticalSpacing(3)
-        self.facts: dict[str, QLabel] = {}
+        self.facts: dict[str, Fact] = {}
         for key, label, tooltip in (
             ("triangles", self.tr("Triangles"), self.tr("Number of triangles, after the filters")),
             ("vertices", self.tr("Vertices"), self.tr("Number of vertices that triangles share")),
@@ -40,9 +41,7 @@ class SurfaceSection(Section):
             ),
             ("parts", self.tr("Parts"), self.tr("Connected parts, and whether the mesh is closed")),
         ):
-            value = QLabel(NOTHING)
-            value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-            value.setToolTip(tooltip)
+            value = Fact(tooltip, self)
             value.setAccessibleName(label)
             words = self.add_row(label, value, tooltip=tooltip)
             words.setProperty("quiet", True)
@@ -78,7 +77,7 @@ class SurfaceSection(Section):
         """Show the figures of a mesh, or that there are none yet."""
         texts = words_of(facts)
         for key, label in self.facts.items():
-            label.setText(texts.get(key, NOTHING))
+            label.show_text(texts.get(key, NOTHING))
         self.export.setEnabled(facts is not None and facts.metrics.faces > 0)
 
     def show_work(self, fraction: float | None) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -205,8 +206,10 @@ class TransferEditor(QWidget):
         self.percentile_button = self._button(
             "", self.tr("Show the middle 99 % of the voxels, without outliers"), "arrows-in-line-horizontal"
         )
+        self._words = 0
+        """Width of the words that the buttons do without at present."""
         self._fill_menus()
-        bar = QHBoxLayout()
+        self._bar = bar = QHBoxLayout()
         bar.setContentsMargins(0, 0, 0, 0)
         bar.setSpacing(4)
         for widget in (self.preset_button, self.auto_button, self.more_button):
@@ -240,6 +243,24 @@ class TransferEditor(QWidget):
         layout.setSpacing(4)
         layout.addLayout(bar)
         layout.addLayout(body, 1)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Where the bar is too narrow, the icons do without their words."""
+        super().resizeEvent(event)
+        style = Qt.ToolButtonStyle
+        buttons = (self.auto_button, self.color_button, self.shape_button, self.arrange_button)
+        with_words = self.auto_button.toolButtonStyle() == style.ToolButtonTextBesideIcon
+        spare = self._bar.contentsRect().width() - self._bar.sizeHint().width()
+        if self.dimensions.note.isVisible():
+            spare += self.dimensions.note.sizeHint().width()
+        if with_words and spare < 0:
+            before = sum(button.sizeHint().width() for button in buttons)
+            for button in buttons:
+                button.setToolButtonStyle(style.ToolButtonIconOnly)
+            self._words = before - sum(button.sizeHint().width() for button in buttons)
+        elif not with_words and spare >= self._words:
+            for button in buttons:
+                button.setToolButtonStyle(style.ToolButtonTextBesideIcon)
 
     def _button(self, label: str, tip: str, icon: str = "", *, text: bool = False) -> QToolButton:
         button = QToolButton(self)

@@ -145,7 +145,7 @@ class Fields(QWidget):
             (self.swatch, bool(chosen) or stop is not None),
         ):
             field.setEnabled(there)
-        self.value.setSuffix(f" {model.unit}" if model.unit else "")
+        self.value.set_unit(model.unit)
         if function is None:
             self.caption.setText("")
             return

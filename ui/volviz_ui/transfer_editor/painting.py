@@ -64,6 +64,7 @@ def paint_frame(painter: QPainter, places: Places, palette: QPalette, unit: str,
     most = max(int(plot.width() / 86), 2)
     span = places.axis.high - places.axis.low
     base = places.stops.bottom() + 1
+    unit = metrics.elidedText(unit, Qt.TextElideMode.ElideRight, int(0.25 * plot.width()))
     unit_width = metrics.horizontalAdvance(unit) + 8 if unit else 0
     if unit:
         box = QRectF(plot.right() - unit_width + 6, base, unit_width, 16)
