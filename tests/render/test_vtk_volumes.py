@@ -123,6 +123,23 @@ def test_one_handle_changes_between_ours_and_vtks_and_back() -> None:
         plotter.close()
 
 
+@pytest.mark.parametrize("technique", ["vtk_gpu", "vtk_fixed_point"])
+@pytest.mark.parametrize("parallel", [False, True])
+def test_a_camera_inside_that_looks_away_from_the_middle_sees_what_ours_sees(
+    technique: str, parallel: bool
+) -> None:
+    of = volume()
+    x, y, z = of.center
+    view = volviz.Camera(
+        (x + 1.0, y + 1.0, z), (x + 4.0, y + 8.0, z + 2.0), (0.0, 0.0, 1.0), view_angle=60.0,
+        parallel=parallel, parallel_scale=8.0,
+    )  # fmt: skip
+    theirs = picture(of, function(of), view, size=SIZE, technique_id=technique)
+    ours = picture(of, function(of), view, size=SIZE, first_sample=1.0)
+    assert ours[..., 3].mean() > 0.05
+    assert psnr(theirs, ours) > 30
+
+
 @pytest.mark.parametrize(("theirs", "level"), [("vtk_gpu", 40), ("vtk_fixed_point", 35)])
 def test_opaque_meshes_hide_vtks_volume_and_are_hidden_by_it(theirs: str, level: float) -> None:
     of = volume()

@@ -29,5 +29,6 @@ class VtkFixedPoint(VolumeProp):
         """The step, also where VTK thinks that something moves."""
         self.mapper.SetSampleDistance(frame.step_world)
         self.mapper.SetInteractiveSampleDistance(frame.step_world)
-        # reads the depth of the scene pixel by pixel: only where there is any
-        self.mapper.SetIntermixIntersectingGeometry(frame.scene_depth is not None)
+        # also without meshes: else the picture is put at the depth of the volume's middle, and is lost with the
+        # middle behind the eye
+        self.mapper.IntermixIntersectingGeometryOn()
