@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shlex
 import sys
 from collections.abc import Sequence
@@ -75,6 +76,10 @@ def add_commands(commands: Any) -> None:
         action="store_true",
         help="also errors over step, splats or cells, with fitted slopes",
     )
+    parser.add_argument(
+        "--distance-limit", type=float, metavar="LENGTH",
+        help="distance of the strongest colour where meshes are coloured by their distance (default: the largest)",
+    )  # fmt: skip
     parser.add_argument("--unmatched", action="store_true", help="leave each technique its own defaults")
     parser.add_argument(
         "--suite", action="store_true", help="all counterparts on all bundled samples, or on FILE"
@@ -91,6 +96,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--frames takes a number of frames, 0 for none, got {options.frames}.")
     if options.patience is not None and not options.patience > 0:
         raise InputError(f"--patience takes a number of seconds above 0, got {options.patience:g}.")
+    if options.distance_limit is not None and not 0.0 < options.distance_limit < math.inf:
+        raise InputError(f"--distance-limit takes a length above 0, got {options.distance_limit:g}.")
     if options.suite:
         return _run_suite(options, output)
     if len(options.techniques) < 2:
@@ -161,6 +168,7 @@ def _compare(volume: Volume, sides: Sequence[Side], options: argparse.Namespace)
     work = ComparisonRun(
         view_of(volume, sides, options), sides, frames=options.frames, matched=not options.unmatched,
         convergence=options.convergence, command=command_line(options), patience=_patience(options),
+        distance_limit=options.distance_limit,
     )  # fmt: skip
     with ProgressLine() as line:
         line.follow(work.steps())
@@ -223,7 +231,7 @@ def command_line(options: argparse.Namespace) -> str:
         words += ["-t", ":".join(_bare_setting(part) for part in text.split(":"))]
     for text in options.values:
         words += ["--set", _bare_setting(text)]
-    for name in ("isovalue", "preset", "size", "camera", "view_angle", "patience"):
+    for name in ("isovalue", "preset", "size", "camera", "view_angle", "patience", "distance_limit"):
         value = getattr(options, name)
         if value is not None:
             words.append(f"--{name.replace('_', '-')}={value}")
@@ -289,6 +297,8 @@ def _run_suite(options: argparse.Namespace, output: Path) -> int:
 
     if options.techniques:
         raise InputError("--suite chooses the techniques itself; leave -t out.")
+    if options.distance_limit is not None:
+        raise InputError("--suite draws no meshes in the colours of distances; leave --distance-limit out.")
     volumes = [lambda: (load_input(options), None)] if options.file is not None else suite_volumes()
     groups = suite_groups()
     finished: list[Comparison] = []
@@ -345,4 +355,5 @@ def _suite_entry(
     return ComparisonRun(
         view_of(volume, sides, options, preset), sides, frames=options.frames, matched=not options.unmatched,
         convergence=options.convergence, command=command_line(options), patience=_patience(options),
+        surface_pictures=False,
     )  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.compare.mesh_metrics import edge_uses
-from volviz.compare.surface_distance import root_mean_square
+from volviz.compare.surface_distance import SurfaceDistance, root_mean_square
 from volviz.compare.surface_tree import SurfaceTree, mesh_arrays
 from volviz.kernels.compiled import compiled
 from volviz.kernels.marching.surface import clean_mesh
@@ -123,6 +123,22 @@ def distance_maps(
         None if progress is None else lambda part: progress(share + (1 - share) * part), cancel,
     )  # fmt: skip
     return forward, backward
+
+
+def distance_figures(maps: tuple[DistanceMap, DistanceMap]) -> SurfaceDistance:
+    """The figures of both surfaces, from all samples."""
+    forward, backward = maps
+    counts = [len(each._sizes) for each in maps]  # noqa: SLF001 - of the same file
+    return SurfaceDistance(
+        hausdorff=max(forward.maximum, backward.maximum),
+        forward=forward.maximum,
+        backward=backward.maximum,
+        mean=float(np.average([forward.mean, backward.mean], weights=counts)),
+        forward_mean=forward.mean,
+        backward_mean=backward.mean,
+        forward_rms=forward.rms,
+        backward_rms=backward.rms,
+    )
 
 
 def distance_map(

@@ -14,6 +14,7 @@ from volviz.compare.matching import in_words
 from volviz.compare.mesh_metrics import MeshMetrics
 from volviz.compare.pictures import Difference, color_table
 from volviz.compare.plots import convergence_plot, times_plot
+from volviz.compare.report_distances import distances, length_unit
 from volviz.compare.report_html import (
     bullets,
     color_bar,
@@ -125,7 +126,7 @@ def _summary(comparison: Comparison, pair: PairResult) -> str:
     if factor:
         shown.append((f"{factor} ×", f"time of {pair.second}, compared with {pair.first}"))
     if pair.distance is not None:
-        shown.append((f"{pair.distance.hausdorff:.3g}", "Hausdorff distance (world)"))
+        shown.append((f"{pair.distance.hausdorff:.3g}", f"Hausdorff distance ({length_unit(comparison)})"))
     return tiles(shown)
 
 
@@ -257,14 +258,7 @@ def _meshes(comparison: Comparison) -> list[str]:
     heads = ["technique", "triangles", "vertices", "area", "volume", "Euler characteristic", "open edges",
              "non-manifold edges", "parts"]  # fmt: skip
     parts = ["<h2>Meshes</h2>", table(heads, rows, 1)]
-    distances = [
-        [escape(f"{p.first}, {p.second}"), f"{p.distance.hausdorff:.4g}", f"{p.distance.mean:.4g}"]
-        for p in comparison.pairs
-        if p.distance is not None
-    ]
-    if distances:
-        parts.append(table(["meshes", "Hausdorff distance (world)", "mean distance"], distances, 1))
-    return parts
+    return parts + distances(comparison)
 
 
 def _mesh_cells(mesh: MeshMetrics) -> list[str]:

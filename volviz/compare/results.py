@@ -19,6 +19,7 @@ from volviz.compare.timing import FrameTimes, ratio
 
 if TYPE_CHECKING:
     from volviz.compare.convergence import Convergence
+    from volviz.compare.distance_pictures import DistancePictures
 
 #: Version of the JSON that `Comparison.to_dict` gives.
 SCHEMA = 1
@@ -75,6 +76,8 @@ class PairResult:
         What the two do differently, a sentence each.
     distance : SurfaceDistance or None
         Between the meshes of both.
+    distance_pictures : DistancePictures or None
+        Both meshes in the colours of that distance.
     """
 
     first: str
@@ -84,6 +87,7 @@ class PairResult:
     dissimilarity: Difference
     differences: tuple[str, ...] = ()
     distance: SurfaceDistance | None = None
+    distance_pictures: DistancePictures | None = None
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,12 @@ import numpy.typing as npt
 
 from volviz.compare.convergence import Convergence, ConvergenceRun
 from volviz.compare.convergence_studies import study, why_not
+from volviz.compare.distance_map import distance_figures, distance_maps
+from volviz.compare.distance_pictures import DistancePictures, distance_pictures
 from volviz.compare.machine import machine_facts, version_facts
 from volviz.compare.matching import MatchedSide, match_sides, settings_differences
 from volviz.compare.mesh_metrics import mesh_metrics
-from volviz.compare.meshes import Mesh, side_mesh
+from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
 from volviz.compare.pictures import (
     COLORED_SHARE,
     Difference,
@@ -79,6 +81,10 @@ class ComparisonRun:
         Give VTK's techniques the settings of ours, and ours what VTK's cannot do otherwise.
     convergence : bool, default: False
         Also draw each side at several steps or bisections.
+    surface_pictures : bool, default: True
+        Also draw meshes in the colours of their distance to each other.
+    distance_limit : float, optional
+        Distance of the strongest colour, in world units; the default is the largest one of the pair.
     title, command : str
         For the report.
     patience : float, default: 20.0
@@ -98,6 +104,8 @@ class ComparisonRun:
         frames: int = 7,
         matched: bool = True,
         convergence: bool = False,
+        surface_pictures: bool = True,
+        distance_limit: float | None = None,
         title: str = "",
         command: str = "",
         patience: float = TIMING_SECONDS,
@@ -111,6 +119,8 @@ class ComparisonRun:
         self._frames = frames
         self._patience = patience
         self._convergence = convergence
+        self._surface_pictures = surface_pictures
+        self._distance_limit = distance_limit
         names = [side.name for side in self._sides]
         self._title = title or f"{', '.join(names[:-1])} and {names[-1]} on {view.volume.name}"
         self._command = command
@@ -180,16 +190,17 @@ class ComparisonRun:
     def _with_figures(self, side: SideResult, times: FrameTimes | None) -> SideResult:
         from dataclasses import replace
 
-        mesh = side_mesh(self._view.volume, side.technique, side.settings)
+        mesh = drawn_mesh(self._view.volume, side.technique, side.settings)
         if mesh is not None:
             self._meshes[side.name] = mesh
-        return replace(side, times=times, mesh=None if mesh is None else mesh_metrics(*mesh))
+        return replace(side, times=times, mesh=None if mesh is None else mesh_metrics(*cleaned(mesh)))
 
     def _pair(self, first: SideResult, second: SideResult) -> PairResult:
         words = settings_differences(first, second)
         for side in (first, second):
             other = second if side is first else first
             words += [s for s in self._matched(side.name).differences.get(other.name, ()) if s not in words]
+        distance, pictures = self._distance(first.name, second.name)
         return PairResult(
             first.name,
             second.name,
@@ -197,17 +208,24 @@ class ComparisonRun:
             _shown_difference(first.picture, second.picture),
             dissimilarity_image(ssim_map(first.picture, second.picture)),
             tuple(words),
-            self._distance(first.name, second.name),
+            distance,
+            pictures,
         )
 
     def _matched(self, name: str) -> MatchedSide:
         return next(side for side in self._sides if side.name == name)
 
-    def _distance(self, first: str, second: str) -> SurfaceDistance | None:
+    def _distance(self, first: str, second: str) -> tuple[SurfaceDistance | None, DistancePictures | None]:
+        """How far two meshes lie apart, and pictures of it where they are wanted."""
         a, b = self._meshes.get(first), self._meshes.get(second)
         if a is None or b is None or not len(a[1]) or not len(b[1]):
-            return None
-        return surface_distance(a, b)
+            return None, None
+        if not self._surface_pictures:
+            return surface_distance(cleaned(a), cleaned(b)), None
+        maps = distance_maps(a, b)
+        one, other = self._matched(first), self._matched(second)
+        sides = ((one.technique, one.settings), (other.technique, other.settings))
+        return distance_figures(maps), distance_pictures(self._view, sides, maps, self._distance_limit)
 
     def _converge(self, found: list[Convergence]) -> Iterator[tuple[float, str]]:
         able = [s for s in self._sides if study(technique(s.technique), self._view.volume) is not None]
@@ -282,6 +300,7 @@ def volume_facts(volume: Volume) -> dict[str, Any]:
         "spacing": volume.spacing,
         "range": volume.range,
         "unit": volume.unit,
+        "length_unit": str(volume.metadata.get("length_unit", "")),
     }
 
 
