@@ -226,6 +226,6 @@ def test_the_top_of_the_colours_is_the_largest_distance_or_the_one_given() -> No
     assert (colors.first.low, colors.first.high) == (-colors.limit, colors.limit)
     given = distance_colors(distance_maps(*meshes, signed=False), of.spacing, 0.01)
     assert (given.second.low, given.second.high) == (0.0, 0.01)
-    assert np.array_equal(given.second.table[0], distance_table(signed=True)[128])
+    assert np.array_equal(given.second.table[0], distance_table(signed=True)[512])
     with pytest.raises(InputError, match="above 0"):
         distance_colors(maps, of.spacing, 0.0)

@@ -165,7 +165,7 @@ def _bar(table: Any, title: str) -> Any:
     bar.SetLookupTable(table)
     bar.SetTitle(f"{title}\n" if title else "")
     bar.SetNumberOfLabels(5)
-    bar.SetMaximumNumberOfColors(256)
+    bar.SetMaximumNumberOfColors(1025)
     bar.SetUnconstrainedFontSize(True)
     for text in (bar.GetLabelTextProperty(), bar.GetTitleTextProperty()):
         _write_plainly(text)

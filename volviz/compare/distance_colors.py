@@ -15,8 +15,8 @@ from volviz.model.surface_values import SurfaceColors
 
 Bytes = npt.NDArray[np.uint8]
 
-#: Entries of a table of colours.
-COLORS = 256
+#: Entries of a table of colours; an odd number, so that one of them is no distance.
+COLORS = 1025
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,14 +83,16 @@ def distance_colors(
 
 @cache
 def distance_table(*, signed: bool) -> Bytes:
-    """Colours of distances, shape (256, 3): from -limit to limit, or from 0 to limit.
+    """Colours of distances, evenly spaced, shape (1025, 3): from -limit to limit, or from 0 to limit.
 
     The cool to warm map (Moreland 2009, "Diverging Color Maps for Scientific Visualization"), made for lit surfaces: no
-    distance is pale grey, as a surface without colours would be, outside is red and inside blue.
+    distance is pale grey, as a surface without colours would be, outside is red and inside blue. Colours go with the
+    root of the distance: a few large ones must not make all others pale.
     """
     import cmap
 
-    places = np.linspace(0.0 if signed else 0.5, 1.0, COLORS)
+    shares = np.linspace(-1.0 if signed else 0.0, 1.0, COLORS)
+    places = 0.5 + 0.5 * np.sign(shares) * np.sqrt(np.abs(shares))
     colors = np.asarray(cmap.Colormap("matplotlib:coolwarm")(places))[:, :3]
     table = np.rint(255.0 * colors).astype(np.uint8)
     table.flags.writeable = False

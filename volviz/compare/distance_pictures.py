@@ -25,7 +25,7 @@ class DistancePictures:
         Pictures from the camera of the comparison, over its background.
     limit : float
         Distance of the strongest colour, in world units.
-    table : ndarray of shape (256, 3), uint8
+    table : ndarray of shape (N, 3), uint8
         Colours from `low` to `limit`.
     largest : float
         Largest distance of a place of one surface to the other, in world units.
