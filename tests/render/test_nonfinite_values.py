@@ -1,4 +1,4 @@
-"""NaN and infinities are drawn as the lowest value, by every technique; wide and shifted ranges lose nothing."""
+"""NaN and infinities are drawn as the lowest value, by every technique; values that 32-bit floats cannot hold, as others."""
 
 from __future__ import annotations
 
@@ -37,14 +37,34 @@ def test_no_number_is_drawn_as_the_lowest_value(technique: str) -> None:
     np.testing.assert_array_equal(seen, expected)
 
 
-def test_splats_of_a_narrow_range_far_from_zero_have_their_colours() -> None:
-    near = volviz.Volume(blobs(dtype=np.float64))
-    far = volviz.Volume(1e6 + 1e-3 * near.array)
-    pictures = [
-        picture(of, function(of), camera(of), size=SIZE, technique_id="splatting", splat_color="transfer_function",
-                isovalue=of.range[0] + 0.4 * (of.range[1] - of.range[0]))
-        for of in (near, far)
-    ]  # fmt: skip
-    assert pictures[0][..., 3].max() == 1.0
-    # doubles near 1e6 resolve a ten millionth of that range
-    np.testing.assert_allclose(*pictures, atol=2e-3)
+#: What makes fields of 0..1 hard for 32-bit floats: a factor and an offset.
+HARD = {"narrow and far from zero": (1e-3, 1e6), "huge": (1e30, 0.0), "tiny": (1e-30, 0.0)}
+#: Normals come from gradients, which are squared.
+SQUARING = ("isosurface", "marching_cubes", "vtk_isosurface", "vtk_flying_edges")
+
+
+@pytest.mark.parametrize(
+    ("technique", "hard"),
+    [
+        *((technique, "narrow and far from zero") for technique in TECHNIQUES),
+        *((technique, hard) for technique in SQUARING for hard in ("huge", "tiny")),
+    ],
+)
+def test_values_that_floats_cannot_hold_are_drawn_as_others_are(technique: str, hard: str) -> None:
+    easy = volviz.Volume(blobs(dtype=np.float64))
+    factor, offset = HARD[hard]
+    of = volviz.Volume(offset + factor * easy.array)
+
+    def drawn(shown: volviz.Volume) -> np.ndarray:
+        low, high = shown.range
+        isovalue = low + 0.4 * (high - low)
+        names = {p.name for p in volviz.techniques()[technique].parameters}
+        surface = {"isovalue": isovalue, "isovalues": (isovalue,)}
+        values = {name: value for name, value in surface.items() if name in names}
+        return picture(shown, function(shown), camera(shown), size=SIZE, technique_id=technique, **values)
+
+    seen, expected = drawn(of), drawn(easy)
+    assert expected[..., 3].max() > 0.1
+    assert np.isfinite(seen).all()
+    # where outlines are, pixels may fall on either side
+    assert (np.abs(seen - expected).max(axis=-1) > 0.02).mean() <= 0.005

@@ -20,9 +20,9 @@ def set_functions(prop: Any, function: TransferFunction, data_range: tuple[float
     prop : vtkVolumeProperty
         Whose transfer functions are replaced.
     function : TransferFunction
-        In data units. Two points at one value make a jump.
+        In values of the image. Two points at one value make a jump.
     data_range : tuple of 2 floats
-        Lowest and highest value of the data.
+        Lowest and highest value there.
     """
     colors, opacities = prop.GetRGBTransferFunction(0), prop.GetScalarOpacity(0)
     colors.RemoveAllPoints()

@@ -3,11 +3,15 @@
 The image lies in its own frame, at the origin and without a direction: not all of VTK's mappers know the direction
 matrix, all know the matrix of their prop. A left-handed lattice is mirrored along its first axis, since a prop with a
 mirroring matrix shows its back faces.
+
+VTK computes with 32-bit floats. Scalars that these cannot hold, a narrow range far from zero or very large and very
+small numbers, are handed over as fractions of their range.
 """
 
 from __future__ import annotations
 
 import ctypes
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +20,13 @@ import numpy.typing as npt
 from volviz.custom_gl.vtk_props import border as vtk
 
 if TYPE_CHECKING:
+    from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
+
+#: A range narrower than this share of its values is handed over as fractions.
+NARROW = 1e-3
+#: So are values beyond these: VTK's shaders and filters square them.
+SMALLEST, LARGEST = 1e-12, 1e12
 
 Matrix = npt.NDArray[np.float64]
 
@@ -46,8 +56,11 @@ class PlacedImage:
     def __init__(self, volume: Volume, stride: int = 1) -> None:
         self.volume, self.stride = volume, stride
         self.mirrored = bool(np.linalg.det(volume.direction) < 0)
+        low, high = volume.range
+        #: Data value of 0, and of 1 less that, in the image; None where it holds the values as they are.
+        self._unit = (low, high - low) if needs_fractions(low, high) else None
         # held for as long as VTK reads its memory
-        self._scalars = _scalars(volume, stride, mirrored=self.mirrored)
+        self._scalars = _scalars(volume, stride, self._unit, mirrored=self.mirrored)
         dimensions = self._scalars.shape[::-1]
         self.image = vtk.vtkImageData()
         self.image.SetDimensions(*dimensions)
@@ -65,6 +78,22 @@ class PlacedImage:
             self.to_world[:3, 3] += volume.direction[:, 0] * length
             self.to_world[:3, 0] *= -1.0
 
+    def value(self, value: float) -> float:
+        """A data value as it stands in the image."""
+        return value if self._unit is None else (value - self._unit[0]) / self._unit[1]
+
+    def function(self, function: TransferFunction) -> TransferFunction:
+        """A transfer function over data values as one over those of the image."""
+        if self._unit is None:
+            return function
+        return replace(function, points=tuple(replace(p, value=self.value(p.value)) for p in function.points))
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Lowest and highest value of the volume as they stand in the image."""
+        low, high = self.volume.range
+        return self.value(low), self.value(high)
+
     @property
     def matrix(self) -> Any:
         """`to_world` as a vtkMatrix4x4."""
@@ -73,10 +102,20 @@ class PlacedImage:
         return matrix
 
 
-def _scalars(volume: Volume, stride: int, *, mirrored: bool) -> npt.NDArray[Any]:
+def needs_fractions(low: float, high: float) -> bool:
+    """Whether 32-bit floats are too coarse for values between these, or do not reach them."""
+    largest = max(abs(low), abs(high))
+    return high > low and not (SMALLEST <= largest <= LARGEST and high - low >= NARROW * largest)
+
+
+def _scalars(
+    volume: Volume, stride: int, unit: tuple[float, float] | None, *, mirrored: bool
+) -> npt.NDArray[Any]:
     """The scalars in a type that all mappers take, as memory that VTK accepts; it only reads it."""
     array = volume.finite_array[::stride, ::stride, ::stride]
-    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
+    if unit is not None:
+        array = ((array.astype(np.float64) - unit[0]) / unit[1]).astype(np.float32)
+    elif array.dtype.kind in "iu" and array.dtype.itemsize == 8:
         array = array.astype(np.float64)
     array = np.ascontiguousarray(array[:, :, ::-1] if mirrored else array)
     if array.flags.writeable:

@@ -205,7 +205,7 @@ class SurfaceProp:
         contour = self._make_filter()
         errors = ErrorWords(contour)
         contour.SetInputData(placed.image)
-        contour.SetValue(0, wish.isovalue)
+        contour.SetValue(0, placed.value(wish.isovalue))
         contour.SetComputeNormals(wish.smooth)
         contour.ComputeGradientsOff()
         contour.ComputeScalarsOff()

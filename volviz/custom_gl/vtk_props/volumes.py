@@ -59,7 +59,7 @@ class VolumeProp:
     def prepare(self, frame: Frame) -> bool:
         """Take the values of a frame; always ready."""
         placed = self._place(frame)
-        self.classify(frame)
+        self.classify(frame, placed)
         settings = frame.settings
         self.property.SetScalarOpacityUnitDistance(frame.unit_distance)
         self.property.SetInterpolationType(0 if settings.interpolation == "nearest" else 1)
@@ -73,11 +73,11 @@ class VolumeProp:
         self.sample(frame)
         return True
 
-    def classify(self, frame: Frame) -> None:
+    def classify(self, frame: Frame, placed: PlacedImage) -> None:
         """Set colours and opacities: the transfer function."""
         if self._function is not frame.transfer_function:
             self._function = frame.transfer_function
-            set_functions(self.property, frame.transfer_function, frame.volume.range)
+            set_functions(self.property, placed.function(frame.transfer_function), placed.range)
 
     def sample(self, frame: Frame) -> None:
         """Set what is special to the mapper: where it samples."""

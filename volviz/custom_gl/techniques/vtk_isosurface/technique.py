@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from volviz.custom_gl.technique import Frame
+from volviz.custom_gl.vtk_props.images import PlacedImage
 from volviz.custom_gl.vtk_props.volumes import GpuVolumeProp
 from volviz.model.auto_isovalue import auto_isovalue
 
@@ -19,7 +20,7 @@ class VtkIsosurface(GpuVolumeProp):
         super().__init__()
         self._surfaces: Any = None
 
-    def classify(self, frame: Frame) -> None:
+    def classify(self, frame: Frame, placed: PlacedImage) -> None:
         """Isovalues, and steps of colour and opacity between them."""
         settings, volume = frame.settings, frame.volume
         isovalues = settings.isovalues if settings.isovalues is not None else (auto_isovalue(volume),)
@@ -27,12 +28,13 @@ class VtkIsosurface(GpuVolumeProp):
         if surfaces == self._surfaces:
             return
         self._surfaces = surfaces
+        isovalues = tuple(placed.value(value) for value in isovalues)
         contours = self.property.GetIsoSurfaceValues()
         contours.SetNumberOfContours(len(isovalues))
         colors, opacities = self.property.GetRGBTransferFunction(0), self.property.GetScalarOpacity(0)
         colors.RemoveAllPoints()
         opacities.RemoveAllPoints()
-        low, high = volume.range
+        low, high = placed.range
         last = len(settings.opacities) - 1
         for number, value in enumerate(isovalues):
             contours.SetValue(number, value)
