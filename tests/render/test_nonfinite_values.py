@@ -1,4 +1,4 @@
-"""NaN and infinities are drawn as the lowest value, by every technique; values that 32-bit floats cannot hold, as others."""
+"""NaN and infinities are drawn as the lowest value by every technique, values beyond 32-bit floats as others are."""
 
 from __future__ import annotations
 
