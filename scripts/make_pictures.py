@@ -284,7 +284,7 @@ def draw_comparison() -> None:
     pictures.append(difference_image(*pictures).picture)
     save(side_by_side([Image.fromarray(one) for one in pictures], 3), "comparison")
     results = []
-    for technique in ("raycast", "slicing", "vtk_gpu"):
+    for technique in ("raycast", "slicing", "vtk_gpu", "half_angle", "vtk_shadows"):
         run = ConvergenceRun(view, technique, technique)
         for _ in run.steps():
             pass

@@ -150,3 +150,11 @@ def test_a_benchmark_of_nothing_is_refused() -> None:
     volume = volviz.Volume(blobs((8, 8, 8)))
     with pytest.raises(InputError):
         BenchRun(volume, volviz.TransferFunction.from_points(POINTS), [], [16], [(40, 30)], [1.0])
+
+
+def test_a_technique_that_is_too_slow_for_all_frames_says_so(
+    volume_file: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("volviz.compare.bench.TECHNIQUE_SECONDS", 1e-9)
+    assert main(["bench", str(volume_file), "--techniques", "raycast", "--steps", "1", *WORDS]) == 0
+    assert capsys.readouterr().out.rstrip().endswith("1 of 2 frames")

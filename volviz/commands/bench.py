@@ -100,6 +100,9 @@ def table(work: BenchRun) -> str:
             for case, ident, base, found in ratios
             if case == entry.case and ident == entry.technique
         ]
+        measured = len(entry.times.seconds)
+        if measured < work.frames:
+            words.append(f"{measured} of {work.frames} frames")
         times = f"{1000 * entry.times.median:9.1f} ms ({1000 * low:.1f} to {1000 * high:.1f})"
         lines.append(f"  {entry.technique:<20}{times:<34}{', '.join(words)}".rstrip())
     return "\n".join(lines[1:])

@@ -73,7 +73,7 @@ class BenchRun:
     steps : sequence of floats
         In voxels; techniques without a step are measured once.
     frames : int
-        Measured frames of each technique in each case.
+        Measured frames of each technique in each case; fewer of one that is too slow for all of them in ten seconds.
 
     Raises
     ------
@@ -111,7 +111,7 @@ class BenchRun:
         self._techniques = list(dict.fromkeys(techniques))
         self._cases = [BenchCase(n, w, s) for n in sizes for w in windows for s in steps]
         self._first_step = steps[0]
-        self._frames = frames
+        self.frames = frames
         self._renderer = ""
         self.entries: list[BenchEntry] = []
         self.complete = False
@@ -148,7 +148,7 @@ class BenchRun:
                 self._renderer = self._renderer or stages[ident].renderer
             if not stages:
                 return
-            timer = stage_timer(stages, self._frames, patience=TECHNIQUE_SECONDS)
+            timer = stage_timer(stages, self.frames, patience=TECHNIQUE_SECONDS)
             try:
                 yield from timer.steps()
             finally:

@@ -2,8 +2,7 @@
 
 Settings of the same name mean the same almost everywhere (`OTHER_MEANING`), so matching copies values. What a technique
 cannot follow is a property of it: VTK's ray caster samples the far ends of whole steps, whatever ours does. So ours
-follows where it can,
-and a sentence says what stays different where it cannot.
+follows where it can, and a sentence says what stays different where it cannot.
 """
 
 from __future__ import annotations
