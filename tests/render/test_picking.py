@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 import volviz
 from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.model.transfer_function_2d import Region, TransferFunction2D
 
 SIZE = (121, 91)
 CENTRE = (60, 45)
@@ -78,6 +80,24 @@ def test_volumes_are_picked_at_the_first_visible_place(technique: str) -> None:
         assert handle.pick(*CENTRE).position[1] == pytest.approx(0, abs=0.6)
         handle.update(crop=None, clip_planes=(((0, -3, 0), (0, 1, 0)),))
         assert handle.pick(*CENTRE).position[1] == pytest.approx(-3, abs=0.6)
+
+
+@pytest.mark.parametrize("technique", ["raycast", "slicing"])
+def test_with_regions_the_first_place_that_they_show_is_picked(technique: str) -> None:
+    of = ball()
+    # the gradient of the ball is 10 everywhere but in its middle
+    with shown(technique, of) as handle:
+        shell = Region(
+            "rectangle", value=140.0, width=20.0, gradient_low=5.0, gradient_high=15.0, opacity=0.5
+        )
+        beyond = replace(shell, gradient_low=1000.0, gradient_high=2000.0)
+        curve = handle.transfer_function
+        handle.update(transfer_function=replace(curve, by_gradient=TransferFunction2D((shell,))))
+        picked = handle.pick(*CENTRE)
+        assert picked is not None
+        assert picked.value == pytest.approx(140.0, abs=11.0)
+        handle.update(transfer_function=replace(curve, by_gradient=TransferFunction2D((beyond,))))
+        assert handle.pick(*CENTRE) is None
 
 
 def test_in_the_mode_maximum_the_brightest_place_is_picked() -> None:

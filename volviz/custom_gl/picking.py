@@ -57,7 +57,7 @@ class Sight:
     Attributes
     ----------
     volume, transfer_function, settings
-        As they are drawn.
+        As they are drawn; a function with `by_gradient` shows its regions.
     ray : PixelRay
         In the world.
     crop : tuple of 6 floats
@@ -101,9 +101,27 @@ class Sight:
             self.volume.array, self.indices(t), nearest=nearest, lowest=float(self.volume.range[0])
         )
 
-    def opacities(self, values: Float64Array) -> Float64Array:
-        """Opacities per mean spacing of scalars, 0 below the density threshold."""
-        found = self.transfer_function.evaluate(values, self.volume.range)[:, 3].astype(np.float64)
+    def gradients(self, t: Float64Array) -> Float64Array:
+        """Gradient magnitudes at distances along the ray, in data units per world unit, as shaders see them."""
+        delta = float(getattr(self.settings, "gradient_delta", 1.0))
+        index = self.indices(t)
+        slopes = np.empty_like(index)
+        for axis in range(3):
+            step = delta * np.eye(3)[axis]
+            after, before = (
+                values_at(self.volume.array, place, nearest=False, lowest=float(self.volume.range[0]))
+                for place in (index + step, index - step)
+            )
+            slopes[:, axis] = (after - before) / (2.0 * delta)
+        return np.asarray(np.linalg.norm(slopes @ self.volume.world_to_index[:3, :3], axis=1))
+
+    def opacities(self, t: Float64Array, values: Float64Array) -> Float64Array:
+        """Opacities per mean spacing at distances along the ray, 0 below the density threshold."""
+        function = self.transfer_function
+        if function.by_gradient is None:
+            found = function.evaluate(values, self.volume.range)[:, 3]
+        else:
+            found = function.by_gradient.evaluate(values, self.gradients(t))[:, 3] * function.opacity
         low, high = self.volume.range
         threshold = low + float(getattr(self.settings, "density_threshold", 0.0)) * (high - low)
         return np.where(values < threshold, 0.0, np.clip(found, 0.0, 1 - 1e-9))
@@ -126,7 +144,7 @@ def first_visible(sight: Sight) -> Picked | None:
     count = int(np.ceil(length * SAMPLES_PER_VOXEL)) + 1
     t = near + (np.arange(count) + 0.5) * (far - near) / count
     values = sight.values(t)
-    opacities = sight.opacities(values)
+    opacities = sight.opacities(t, values)
     mode = getattr(sight.settings, "mode", "composite")
     if mode in {"maximum", "minimum"}:
         at = int(np.argmax(values) if mode == "maximum" else np.argmin(values))

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import InputError
-
-Vector = tuple[float, float, float]
+from volviz.model.vectors import Vector, finite_vector
 
 
 @dataclass(frozen=True)
@@ -39,9 +38,8 @@ class Camera:
     parallel_scale: float | None = None
 
     def __post_init__(self) -> None:
-        values = (*self.position, *self.focal_point, *self.view_up, self.view_angle)
-        if not np.all(np.isfinite(values)):
-            raise InputError("the camera must be given in finite numbers.")
+        for name in ("position", "focal_point", "view_up"):
+            object.__setattr__(self, name, finite_vector(getattr(self, name), f"{name} of a camera"))
         if not 1 <= self.view_angle <= 170:
             raise InputError(f"view_angle must lie between 1 and 170 degrees, got {self.view_angle:g}.")
         if self.position == self.focal_point:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from volviz.errors import InputError
+from volviz.model.vectors import Vector, finite_vector
 
-Vector = tuple[float, float, float]
 Color = tuple[float, float, float]
 
 
@@ -39,20 +36,10 @@ class Light:
 
     def __post_init__(self) -> None:
         if self.position is not None:
-            object.__setattr__(self, "position", _triple(self.position, "position"))
-        object.__setattr__(self, "color", _triple(self.color, "colour"))
+            object.__setattr__(self, "position", finite_vector(self.position, "the position of a light"))
+        object.__setattr__(self, "color", finite_vector(self.color, "the colour of a light"))
         if not all(0.0 <= part <= 1.0 for part in self.color):
             raise InputError(f"the colour of a light needs parts between 0 and 1, got {self.color}.")
-
-
-def _triple(values: Sequence[float], what: str) -> Vector:
-    try:
-        x, y, z = (float(value) for value in values)
-    except (TypeError, ValueError):
-        x = y = z = np.nan
-    if not np.all(np.isfinite((x, y, z))):
-        raise InputError(f"the {what} of a light must be three finite numbers, got {values!r}.")
-    return x, y, z
 
 
 def default_position(bounds: tuple[float, float, float, float, float, float]) -> Vector:

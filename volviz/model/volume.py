@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import InputError
+from volviz.model.vectors import finite_vector
 
 #: Largest deviation from 1 of the length of a column of ``direction``.
 UNIT_TOLERANCE = 1e-3
@@ -98,8 +99,8 @@ class Volume:
         scalars.flags.writeable = False
 
         self.array: npt.NDArray[Any] = scalars
-        self.spacing: tuple[float, float, float] = _triple(spacing, "spacing", name)
-        self.origin: tuple[float, float, float] = _triple(origin, "origin", name)
+        self.spacing: tuple[float, float, float] = finite_vector(spacing, f"{name}: spacing")
+        self.origin: tuple[float, float, float] = finite_vector(origin, f"{name}: origin")
         if min(self.spacing) <= 0:
             raise InputError(f"{name}: spacing must be greater than 0 along every axis, got {self.spacing}.")
         self.direction: npt.NDArray[np.float64] = _direction(direction, name)
@@ -210,16 +211,6 @@ class Volume:
         if not (0 <= i < x and 0 <= j < y and 0 <= k < z):
             return None
         return float(self.array[int(k), int(j), int(i)])
-
-
-def _triple(values: Sequence[float], what: str, name: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(v) for v in values)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: {what} must be three numbers (x, y, z), got {values!r}.") from None
-    if not np.all(np.isfinite((x, y, z))):
-        raise InputError(f"{name}: {what} must be finite, got {(x, y, z)}.")
-    return x, y, z
 
 
 def _direction(direction: npt.ArrayLike | None, name: str) -> npt.NDArray[np.float64]:

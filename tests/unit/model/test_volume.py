@@ -43,7 +43,7 @@ def test_a_volume_without_any_number_is_drawn_as_zeros() -> None:
         (np.zeros((1, 3, 3)), {}, "at least 2 voxels"),
         (np.zeros((2, 2, 2), complex), {}, "complex"),
         (np.zeros((2, 2, 2)), {"spacing": (1.0, 0.0, 1.0)}, "greater than 0"),
-        (np.zeros((2, 2, 2)), {"spacing": (1.0, 1.0)}, "three numbers"),
+        (np.zeros((2, 2, 2)), {"spacing": (1.0, 1.0)}, "three finite numbers"),
         (np.zeros((2, 2, 2)), {"origin": (0.0, np.inf, 0.0)}, "finite"),
         (np.zeros((2, 2, 2)), {"direction": 2 * np.eye(3)}, "unit length"),
         (np.zeros((2, 2, 2)), {"direction": np.eye(2)}, "3 x 3"),

@@ -200,7 +200,7 @@ class VolumeHandle(Drawing):
         camera, (width, height, _, _) = self.view.camera(), self.view.rectangle()
         sight = Sight(
             self._shown.volume,
-            self._shown.transfer_function,
+            self._shown.drawn_function,
             self._shown.settings,
             pixel_ray(camera.view, camera.projection, (width, height), (x, y)),
             self._shown.crop,

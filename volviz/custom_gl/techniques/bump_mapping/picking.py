@@ -58,4 +58,4 @@ def _is_shown(sight: Sight, t: float) -> bool:
     low, high = sight.volume.range
     if value[0] < low + sight.settings.density_threshold * (high - low):
         return False
-    return not sight.settings.cut_out or bool(sight.opacities(value)[0] > 0)
+    return not sight.settings.cut_out or bool(sight.opacities(np.atleast_1d(t), value)[0] > 0)
