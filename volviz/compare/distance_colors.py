@@ -70,14 +70,14 @@ def distance_colors(
     if limit is not None and not limit > 0:
         raise InputError(f"the strongest colour stands for a distance above 0, got {limit!r}.")
     largest = max(each.maximum for each in maps)
-    rounding = position_tolerance([each.values.vertices for each in maps], spacing)
+    rounding = position_tolerance(max(each.rounding for each in maps), spacing)
     are_same = largest <= rounding
     is_signed = maps[0].is_signed
     # between equal surfaces, rounding is not worth a colour
     top = limit if limit is not None else max(largest, min(spacing) if are_same else rounding)
     table = distance_table(signed=is_signed)
     first, second = (SurfaceColors(each.values, -top if is_signed else 0.0, top, table) for each in maps)
-    at_vertices = max(float(np.abs(each.at_vertices).max()) for each in maps)
+    at_vertices = max(each.maximum_at_vertices for each in maps)
     return DistanceColors(first, second, top, largest, is_signed, are_same, at_vertices <= rounding)
 
 

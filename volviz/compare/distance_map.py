@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,16 @@ Mesh = tuple[npt.ArrayLike, npt.ArrayLike]
 
 #: Part of the work that is left when the distances are known and the signs are not.
 SIGN_SHARE = 0.1
+
+
+class _Figures(NamedTuple):
+    """What is told of the distances of all samples, without their signs."""
+
+    samples: int
+    maximum: float
+    maximum_at_vertices: float
+    mean: float
+    rms: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,38 +60,62 @@ class DistanceMap:
         """Distances of the middles of the triangles, shape (F,)."""
         return self.values.at_middles
 
-    def prepare(self) -> None:
-        """Do now, on a worker, what figures and colours would need time for when they are asked for."""
-        self.values.prepare()
-        _ = self._sizes
-
-    @cached_property
-    def _sizes(self) -> Array:
-        used = np.bincount(self.values.faces.ravel(), minlength=len(self.at_vertices)) > 0
-        return np.abs(np.concatenate([self.at_vertices[used], self.at_middles]).astype(np.float64))
-
     def without_sign(self) -> DistanceMap:
         """The same distances, all of them positive."""
         if not self.is_signed:
             return self
         values = self.values
-        sizes = np.abs(values.at_vertices), np.abs(values.at_middles)
-        return DistanceMap(SurfaceValues(values.vertices, values.faces, *sizes), is_signed=False)
+        return DistanceMap(
+            values.with_numbers(np.abs(values.at_vertices), np.abs(values.at_middles)), is_signed=False
+        )
+
+    def prepare(self) -> None:
+        """Do now, on a worker, what figures and colours would need time for when they are asked for."""
+        self.values.prepare()
+        _ = self._figures, self.rounding
+
+    @cached_property
+    def _figures(self) -> _Figures:
+        used = np.bincount(self.values.faces.ravel(), minlength=len(self.at_vertices)) > 0
+        at_vertices, at_middles = np.abs(self.at_vertices[used]), np.abs(self.at_middles)
+        sizes = np.concatenate([at_vertices, at_middles]).astype(np.float64)
+        return _Figures(
+            len(sizes),
+            float(sizes.max()),
+            float(at_vertices.max()),
+            float(sizes.mean()),
+            root_mean_square(sizes),
+        )
+
+    @property
+    def samples(self) -> int:
+        """How many places were measured: vertices that a triangle uses, and middles of triangles."""
+        return self._figures.samples
 
     @property
     def maximum(self) -> float:
         """Largest distance, without its sign, of all samples."""
-        return float(self._sizes.max())
+        return self._figures.maximum
+
+    @property
+    def maximum_at_vertices(self) -> float:
+        """Largest distance of a vertex, without its sign."""
+        return self._figures.maximum_at_vertices
 
     @property
     def mean(self) -> float:
         """Mean of the distances without their signs."""
-        return float(self._sizes.mean())
+        return self._figures.mean
 
     @property
     def rms(self) -> float:
         """Root of the mean square of the distances."""
-        return root_mean_square(self._sizes)
+        return self._figures.rms
+
+    @cached_property
+    def rounding(self) -> float:
+        """Rounding of a position of the surface in 32-bit floats, in world units."""
+        return float(np.spacing(np.float32(np.abs(self.values.vertices).max())))
 
 
 def distance_maps(
@@ -128,12 +162,11 @@ def distance_maps(
 def distance_figures(maps: tuple[DistanceMap, DistanceMap]) -> SurfaceDistance:
     """The figures of both surfaces, from all samples."""
     forward, backward = maps
-    counts = [len(each._sizes) for each in maps]  # noqa: SLF001 - of the same file
     return SurfaceDistance(
         hausdorff=max(forward.maximum, backward.maximum),
         forward=forward.maximum,
         backward=backward.maximum,
-        mean=float(np.average([forward.mean, backward.mean], weights=counts)),
+        mean=float(np.average([forward.mean, backward.mean], weights=[each.samples for each in maps])),
         forward_mean=forward.mean,
         backward_mean=backward.mean,
         forward_rms=forward.rms,
@@ -205,8 +238,12 @@ def _map(
     if progress is not None:
         progress(1.0)
     found = distances.astype(np.float32)
+    # half the memory; positions were 32-bit floats before
+    small = faces.astype(np.int32) if len(vertices) < 2**31 else faces
     return DistanceMap(
-        SurfaceValues(vertices, faces, found[: len(vertices)], found[len(vertices) :]),
+        SurfaceValues(
+            vertices.astype(np.float32), small, found[: len(vertices)].copy(), found[len(vertices) :].copy()
+        ),
         orientation is not None,
     )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -88,18 +87,17 @@ class CaseDifference:
     area_difference: float
 
 
-def position_tolerance(positions: Sequence[Array], spacing: tuple[float, float, float]) -> float:
+def position_tolerance(rounding: float, spacing: tuple[float, float, float]) -> float:
     """Distance up to which two positions are the same, in world units: 32-bit floats say no more.
 
     Parameters
     ----------
-    positions : sequence of ndarrays of shape (N, 3)
-        World positions (x, y, z).
+    rounding : float
+        Distance from the largest coordinate to the next 32-bit float, in world units.
     spacing : tuple of 3 floats
         Of the volume.
     """
-    largest = max((float(np.abs(p).max()) for p in positions if len(p)), default=0.0)
-    return float(np.sqrt(3) * max(1e-5 * min(spacing), 2 * float(np.spacing(np.float32(largest)))))
+    return math.sqrt(3) * max(1e-5 * min(spacing), 2 * rounding)
 
 
 def match_vertices(
@@ -121,7 +119,8 @@ def match_vertices(
         For each of their vertices the nearest of ours, or -1.
     """
     positions, others = np.asarray(ours, np.float64), np.asarray(theirs, np.float64)
-    tolerance = position_tolerance((positions, others), spacing)
+    largest = max((float(np.abs(p).max()) for p in (positions, others) if len(p)), default=0.0)
+    tolerance = position_tolerance(float(np.spacing(np.float32(largest))), spacing)
     if not len(positions) or not len(others):
         distance = 0.0 if len(positions) == len(others) else np.inf
         match = VertexMatch(len(positions), len(others), len(positions), len(others), distance, tolerance)

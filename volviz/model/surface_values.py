@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -53,6 +53,10 @@ class SurfaceValues:
                 f"values of shapes {shapes[0]} and {shapes[1]} do not fit {len(self.vertices)} vertices and "
                 f"{len(self.faces)} triangles; give one number for each, and at least one triangle."
             )
+
+    def with_numbers(self, at_vertices: Floats, at_middles: Floats) -> SurfaceValues:
+        """Other numbers on the same surface; what was prepared for finding places is kept."""
+        return replace(self, at_vertices=at_vertices, at_middles=at_middles)
 
     def at(self, vertices: Array, faces: Array) -> tuple[Floats, Floats]:
         """Values for a mesh of the same surface: its own, or those of the nearest vertex and the nearest triangle.
