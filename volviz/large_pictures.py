@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.model.camera import Camera
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.volume import Volume
 from volviz.offscreen import apply_camera, checked_size
 
@@ -34,6 +35,8 @@ class PictureInPieces:
         Where to look from.
     whole, part : int
         Largest edge of a picture that is not cut, and edge of a part otherwise, in pixels.
+    surface_colors : SurfaceColors, optional
+        Values that the surface is coloured by (`VolumeHandle.color_surface`).
     **arguments
         As for `volviz.add_volume`.
 
@@ -52,6 +55,7 @@ class PictureInPieces:
         *,
         whole: int = WHOLE,
         part: int = PART,
+        surface_colors: SurfaceColors | None = None,
         **arguments: Any,
     ) -> None:
         from volviz.custom_gl.host import add_volume
@@ -71,6 +75,7 @@ class PictureInPieces:
             window: Any = self._plotter.render_window
             window.SetMultiSamples(0)
             self._handle = add_volume(self._plotter, volume, technique, pacer=_Patience(), **arguments)
+            self._handle.color_surface(surface_colors)
             apply_camera(self._plotter.camera, camera)
             self._plotter.reset_camera_clipping_range()
         except BaseException:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from tests.ui.conftest import drag, is_complete
 from volviz.errors import Cancelled
@@ -186,6 +188,20 @@ def test_of_four_views_only_the_compared_two_are_coloured(surfaces: MainWindow, 
     assert surfaces.surface_distances.colors.are_same
     surfaces.actions_.one_view.trigger()
     assert colored(surfaces) == [False]
+
+
+def test_an_exported_picture_has_the_colours_of_the_window(
+    surfaces: MainWindow, wait_for: Wait, tmp_path: Path
+) -> None:
+    choose(surfaces, "signed", wait_for)
+    shown = surfaces.views.pair_pictures()[0]
+    path = tmp_path / "colored.png"
+    surfaces.file_commands.save_picture(str(path), surfaces.viewport.pixel_size, transparent=False)
+    wait_for(path.exists)
+    saved = np.asarray(Image.open(path))
+    assert saved.shape == shown.shape
+    assert np.abs(saved.astype(int) - shown).max() <= 2
+    wait_for(lambda: is_complete(surfaces))
 
 
 def test_a_volume_without_the_surface_says_so(surfaces: MainWindow, wait_for: Wait) -> None:

@@ -129,6 +129,7 @@ class FileCommands(QObject):
         volume = self._window.documents.volume
         if volume is None:
             return None
+        handle = self._window.views.active.display.handle
         export = PictureExport(
             self._window.store.scene,
             volume,
@@ -136,6 +137,7 @@ class FileCommands(QObject):
             size,
             transparent=transparent,
             workers=self._window.workers,
+            surface_colors=None if handle is None else handle.surface_colors,
             parent=self,
         )
         name = Path(export.path).name

@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from volviz.framing import default_camera
 from volviz.large_pictures import PictureInPieces
 from volviz.model.scene import Scene
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.volume import Volume
 from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.scenery import background_picture
@@ -40,6 +41,8 @@ class PictureExport(QObject):
         Leave the background out, where the format can.
     workers : Workers
         Where the file is written.
+    surface_colors : SurfaceColors, optional
+        What the surface of the active view is coloured by.
     """
 
     progressed = Signal(float)
@@ -57,6 +60,7 @@ class PictureExport(QObject):
         *,
         transparent: bool,
         workers: Workers,
+        surface_colors: SurfaceColors | None = None,
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
@@ -64,6 +68,7 @@ class PictureExport(QObject):
         self._scene, self._volume, self._size = scene, volume, size
         self._opaque = not transparent or self.path.lower().endswith(OPAQUE_SUFFIXES)
         self._workers = workers
+        self._surface_colors = surface_colors
         self._pieces: PictureInPieces | None = None
         self._pixels: npt.NDArray[np.uint8] | None = None
         self._task: Task | None = None
@@ -111,6 +116,7 @@ class PictureExport(QObject):
             settings=current_settings(scene),
             light=scene.light,
             clipping=scene.clipping,
+            surface_colors=self._surface_colors,
         )
 
     def _take(self, region: tuple[int, int, int, int], part: npt.NDArray[np.float32]) -> None:
