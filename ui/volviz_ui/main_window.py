@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from PySide6.QtCore import QPointF, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QMainWindow
 
-from volviz.custom_gl.picking import Picked
 from volviz.custom_gl.technique import regions_unused
 from volviz.kernels.warm_up import warm_up
-from volviz.model.grips import as_vector
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
+from volviz_ui.action_states import ActionStates
 from volviz_ui.actions import Actions
 from volviz_ui.app_icon import app_icon
 from volviz_ui.autosave import Autosave
@@ -34,7 +31,8 @@ from volviz_ui.dialogs.error import sentence_of, show_error
 from volviz_ui.dialogs.preferences import PreferencesDialog
 from volviz_ui.dialogs.shortcuts import ShortcutsDialog
 from volviz_ui.display import AddVolume, Display
-from volviz_ui.dock import Dock
+from volviz_ui.dock_layout import VERSION as LAYOUT_VERSION
+from volviz_ui.dock_layout import DockLayout
 from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
 from volviz_ui.file_commands import FileCommands
 from volviz_ui.isovalue_markers import IsovalueMarkers
@@ -43,13 +41,14 @@ from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.pointer import Pointer
 from volviz_ui.preferences import Preferences
 from volviz_ui.ray_inspector.inspector import RayInspector
 from volviz_ui.ray_inspector.panel import RayPanel
 from volviz_ui.scenery import Scenery
 from volviz_ui.session_commands import SessionCommands
 from volviz_ui.status_line import StatusLine
-from volviz_ui.surface import Surface, shows_mesh
+from volviz_ui.surface import Surface
 from volviz_ui.theme import Theme
 from volviz_ui.thumbnails import Thumbnails
 from volviz_ui.transfer_editor import TransferEditor
@@ -57,9 +56,7 @@ from volviz_ui.view_commands import ViewCommands
 from volviz_ui.viewport import Viewport
 from volviz_ui.workers import Gate, Workers
 
-PICK_DELAY_MS = 25
 MEMORY_DELAY_MS = 2000
-LAYOUT_VERSION = 2
 SHOWN_AT_FIRST = {"box": False, "axes": False, "marker": True, "bar": False}
 
 
@@ -122,7 +119,19 @@ class MainWindow(QMainWindow):
         self.compare_panel = ComparePanel(self.store, self.compare_commands, self)
         self.crosscheck_panel = CrosscheckPanel(self.store, self.workers, self)
         self.transfer_editor.counter.workers.gate = self.gate
-        self.docks = self._make_docks()
+        self.dock_layout = DockLayout(
+            self,
+            data=self.data_panel,
+            technique=self.technique_panel,
+            transfer=self.transfer_editor,
+            ray=self.ray_panel,
+            compare=self.compare_panel,
+            crosscheck=self.crosscheck_panel,
+        )
+        self.docks = self.dock_layout.all
+        self.ray_dock = self.dock_layout.ray
+        self.compare_dock = self.dock_layout.compare
+        self.crosscheck_dock = self.dock_layout.crosscheck
         self.thumbnails = Thumbnails(self.workers, self)
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
         self.isovalues = IsovalueMarkers(self.store, self.transfer_editor, self)
@@ -153,14 +162,9 @@ class MainWindow(QMainWindow):
         self.view_commands = ViewCommands(self)
         self.actions_ = Actions(self)
         self.menus = Menus(self)
+        self.action_states = ActionStates(self.store, self.actions_, self.surface, self)
+        self.pointer = Pointer(self.documents, self.views, self.status_line, self.transfer_editor, self)
         self._last_error: BaseException | None = None
-        self._pointer: tuple[int, QPointF] | None = None
-        """Number of the view under the pointer, and where the pointer is in it."""
-        self._pick_timer = QTimer(self)
-        self._pick_timer.setSingleShot(True)
-        self._pick_timer.setInterval(PICK_DELAY_MS)
-        self._pick_timer.timeout.connect(self._pick)
-
         self._panel_timer = QTimer(self)
         self._panel_timer.setSingleShot(True)
         self._panel_timer.setInterval(0)
@@ -192,27 +196,6 @@ class MainWindow(QMainWindow):
 
     # ------------------------------------------------------------------ putting together
 
-    def _make_docks(self) -> list[Dock]:
-        data = Dock("data_dock", self.tr("Data"), self.data_panel, self)
-        technique = Dock("technique_dock", self.tr("Technique"), self.technique_panel, self)
-        transfer = Dock("transfer_dock", self.tr("Transfer function"), self.transfer_editor, self)
-        self.ray_dock = Dock("ray_dock", self.tr("Ray inspector"), self.ray_panel, self)
-        self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
-        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
-        self.ray_dock.toggleViewAction().setShortcut("Ctrl+I")
-        self.crosscheck_dock = Dock("crosscheck_dock", self.tr("Cross-check"), self.crosscheck_panel, self)
-        self.tabifyDockWidget(transfer, self.crosscheck_dock)
-        self.crosscheck_dock.hide()
-        self.ray_dock.toggleViewAction().setToolTip(
-            self.tr("Follow the ray behind a pixel, sample by sample: click in the picture")
-        )
-        self.compare_dock = Dock("compare_dock", self.tr("Compare"), self.compare_panel, self)
-        self.compare_dock.toggleViewAction().setShortcut("Ctrl+M")
-        self.compare_dock.toggleViewAction().setToolTip(
-            self.tr("How two views are compared, and what is measured of them")
-        )
-        return [data, technique, transfer, self.ray_dock, self.compare_dock, self.crosscheck_dock]
-
     def _connect(self) -> None:
         for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
             panel.gesture_started.connect(self.views.begin_gesture)
@@ -222,7 +205,6 @@ class MainWindow(QMainWindow):
         )
         section = self.technique_panel.surface
         self.surface.facts_changed.connect(section.show_facts)
-        self.surface.facts_changed.connect(self._show_exportable)
         self.surface.work_changed.connect(section.show_work)
         section.cancel_wanted.connect(self.surface.cancel)
         section.export_wanted.connect(self.file_commands.export_mesh)
@@ -245,31 +227,17 @@ class MainWindow(QMainWindow):
         self.views.function_drag_ended.connect(
             lambda cancelled: self.transfer_editor.end_shift_stretch(cancel=cancelled)
         )
-        self.views.pointer_moved.connect(self._on_pointer_moved)
-        self.views.pointer_left.connect(self._on_pointer_left)
         toggle = self.ray_dock.toggleViewAction()
         toggle.triggered.connect(lambda shown: shown and self.ray_panel.plot.setFocus())
         self.ray_dock.visibilityChanged.connect(self.ray_inspector.set_active)
         self.ray_inspector.value_pointed.connect(self.transfer_editor.highlight_value)
         self.transfer_editor.value_hovered.connect(self.ray_panel.plot.mark_value)
-        self.views.double_clicked.connect(self._turn_about)
-        self.store.history_changed.connect(self._show_history)
         show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
         show_value(self.store, _why_no_regions, self._show_regions_unused)
-        show_value(self.store, shows_mesh, self._show_exportable)
         show_value(
             self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function
         )
-        show_value(
-            self.store,
-            lambda scene: bool(scene.view.camera and scene.view.camera.parallel),
-            self._show_projection,
-        )
-        show_value(self.store, lambda scene: len(scene.views), self._show_view_count)
         show_value(self.store, lambda scene: scene.active_index, self._show_active)
-        show_value(self.store, lambda scene: scene.comparison.mode, self._show_mode)
-        show_value(self.store, lambda scene: scene.comparison.distances, self._show_distances)
-        self._show_history()
 
     def _restore(self) -> None:
         for name, default in SHOWN_AT_FIRST.items():
@@ -290,26 +258,7 @@ class MainWindow(QMainWindow):
 
     def reset_layout(self) -> None:
         """All panels docked, where they belong."""
-        areas = (
-            Qt.DockWidgetArea.LeftDockWidgetArea,
-            Qt.DockWidgetArea.RightDockWidgetArea,
-            Qt.DockWidgetArea.BottomDockWidgetArea,
-        )
-        for dock, area in zip(self.docks[:3], areas, strict=True):
-            dock.setFloating(False)
-            self.addDockWidget(area, dock)
-            dock.show()
-        self.ray_dock.setFloating(False)
-        self.splitDockWidget(self.docks[2], self.ray_dock, Qt.Orientation.Horizontal)
-        self.ray_dock.hide()
-        self.crosscheck_dock.setFloating(False)
-        self.tabifyDockWidget(self.docks[2], self.crosscheck_dock)
-        self.crosscheck_dock.hide()
-        self.compare_dock.setFloating(False)
-        self.tabifyDockWidget(self.docks[0], self.compare_dock)
-        self.compare_dock.hide()
-        self.resizeDocks(self.docks[:2], [264, 340], Qt.Orientation.Horizontal)
-        self.resizeDocks(self.docks[2:3], [236], Qt.Orientation.Vertical)
+        self.dock_layout.reset()
 
     # ------------------------------------------------------------------ opening
 
@@ -358,10 +307,8 @@ class MainWindow(QMainWindow):
     def _show_regions_unused(self, why_not: str) -> None:
         self.transfer_editor.set_two_dimensional_available(not why_not, why_not)
 
-    def _show_technique(self, technique: str) -> None:
+    def _show_technique(self, _technique: str) -> None:
         self.status_line.show_technique(current_technique(self.store.scene).label)
-        for action in self.actions_.techniques:
-            action.setChecked(action.data() == technique)
 
     def _on_status_changed(self, view: int, status: Any) -> None:
         if status.complete:
@@ -370,35 +317,9 @@ class MainWindow(QMainWindow):
             self.status_line.show_status(status)
             self.surface.show_status(status, self.views.active.display.handle)
 
-    def _show_exportable(self, _facts: Any) -> None:
-        facts = self.surface.facts
-        on = shows_mesh(self.store.scene) and facts is not None and facts.metrics.faces > 0
-        self.actions_.export_mesh.setEnabled(on)
-
     def _show_function(self, function: Any) -> None:
         if self.documents.is_ready_for(self.store.scene):
             self.views.set_function(function)
-
-    def _show_projection(self, parallel: bool) -> None:
-        self.actions_.parallel.setChecked(parallel)
-
-    def _show_view_count(self, count: int) -> None:
-        self.actions_.split.setChecked(count > 1)
-        several = (
-            self.actions_.next_view,
-            self.actions_.close_view,
-            self.actions_.swap_views,
-            self.actions_.report,
-        )
-        for action in several:
-            action.setEnabled(count > 1)
-
-    def _show_mode(self, mode: str) -> None:
-        for action in self.actions_.modes:
-            action.setChecked(action.data() == mode)
-
-    def _show_distances(self, distances: str) -> None:
-        self.actions_.distances.setChecked(distances != "off")
 
     def _show_active(self, _index: int) -> None:
         # panes are made by an earlier listener of the store
@@ -407,16 +328,6 @@ class MainWindow(QMainWindow):
         if status is not None:
             self.status_line.show_status(status)
             self.surface.show_status(status, self.views.active.display.handle)
-
-    def _show_history(self) -> None:
-        for action, label, words in (
-            (self.actions_.undo, self.store.undo_label, self.tr("&Undo")),
-            (self.actions_.redo, self.store.redo_label, self.tr("&Redo")),
-        ):
-            action.setEnabled(label is not None)
-            action.setText(words if label is None else f"{words} “{label}”")
-            key = action.shortcut().toString(action.shortcut().SequenceFormat.NativeText)
-            action.setToolTip(f"{action.text().replace('&', '')} ({key})")
 
     def set_quality(self, quality: str) -> None:
         """Give up more or less while something moves."""
@@ -436,66 +347,6 @@ class MainWindow(QMainWindow):
             if on
             else self.windowState() & ~Qt.WindowState.WindowFullScreen
         )
-
-    # ------------------------------------------------------------------ pointer
-
-    def _on_pointer_moved(self, view: int, position: QPointF) -> None:
-        self._pointer = (view, position)
-        if not self._pick_timer.isActive():
-            self._pick_timer.start()
-
-    def _on_pointer_left(self) -> None:
-        self._pointer = None
-        self._show_picked(None)
-
-    def _pick(self) -> None:
-        volume, layer = self.documents.volume, self.store.scene.layer
-        if self._pointer is None or volume is None or layer is None:
-            return
-        view, position = self._pointer
-        if view >= len(self.views.panes):
-            return
-        if any(pane.open_gestures for pane in self.views.panes):
-            # afterwards: while something moves, every repaint of a panel costs frames
-            self._pick_timer.start()
-            return
-        self._show_picked(self._picked_in(view, position))
-
-    def _picked_in(self, view: int, position: QPointF) -> Picked | None:
-        """What is seen in a view at a place, None for nothing."""
-        handle = self.views.panes[view].display.handle
-        if handle is None or handle.volume is not self.documents.volume:
-            return None
-        ratio = self.devicePixelRatioF()
-        picked: Picked | None = handle.pick(position.x() * ratio, position.y() * ratio)
-        return picked
-
-    def _turn_about(self, view: int, position: QPointF) -> None:
-        """Look at what is seen at a place, so that the camera turns about it from now on."""
-        picked = self._picked_in(view, position)
-        if picked is None or self.documents.volume is None:
-            return
-        camera = self.viewport.view_camera
-        way = np.subtract(picked.position, camera.focal_point)
-        moved = replace(
-            camera,
-            position=as_vector(np.add(camera.position, way)),
-            focal_point=picked.position,
-            parallel_scale=camera.parallel_scale,
-        )
-        self.display.show_camera(moved)
-
-    def _show_picked(self, picked: Picked | None) -> None:
-        volume = self.documents.volume
-        value = None
-        if picked is not None and volume is not None:
-            i, j, k = picked.voxel
-            # a surface has a value of its own; elsewhere the number that stands in the file is looked for
-            value = picked.isovalue if picked.isovalue is not None else float(volume.array[k, j, i])
-        self.status_line.show_picked(
-            None if picked is None else picked.voxel, value, volume.unit if volume is not None else ""
-        )
-        self.transfer_editor.highlight_value(value)
 
     # ------------------------------------------------------------------ errors of drawing
 
@@ -567,7 +418,7 @@ class MainWindow(QMainWindow):
         """Remember the layout; end the work and release the GPU while the context lives."""
         if not self.isFullScreen():
             self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
-        self._pick_timer.stop()
+        self.pointer.stop()
         self._memory_timer.stop()
         self._panel_timer.stop()
         if self.autosave is not None:
