@@ -85,6 +85,15 @@ def test_a_camera_inside_and_a_placed_light_are_followed() -> None:
     )
 
 
+@pytest.mark.parametrize("place", [camera, inside])
+def test_the_first_and_the_last_slice_of_a_ray_are_followed_up_to_its_ends(place: Any) -> None:
+    # not empty at the border, and few slices: one that stands for too little or too much is seen
+    of = volume(np.float32)
+    points = [(0.0, (0.2, 0.2, 0.6, 0.03)), (1.0, (1.0, 0.2, 0.1, 0.2))]
+    plane = ((of.center, (0.1, 1.0, 0.2)),) if place is camera else ()
+    assert_pixels_agree("slicing", of, place(of), points, slices=16, clip_planes=plane)
+
+
 def test_jittered_slices_are_followed() -> None:
     of = volume()
     assert_pixels_agree("slicing", of, camera(of), jitter=True)

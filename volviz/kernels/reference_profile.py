@@ -241,6 +241,8 @@ def slice_pieces(
 ) -> Pieces:
     """Where a ray meets view-aligned slices.
 
+    Each stands for half a slab before and behind it, the first and the last for all of the ray up to its ends.
+
     Parameters
     ----------
     normal : array_like of shape (3,)
@@ -260,8 +262,13 @@ def slice_pieces(
     first = (depths[0] - float(span.start @ n)) / cosine
     places: Float64Array = first + (np.arange(count, dtype=np.float64) + position) * length
     places = places[(places >= span.entry) & (places <= span.exit)]
-    moved = 0.0 if jitter is None else (jitter - 0.5) * length
-    return Pieces(places + moved, places - position * length, np.full(len(places), length))
+    if jitter is not None:
+        places = places + (jitter - 0.5) * length
+    before, behind = places - span.entry, span.exit - places
+    half = 0.5 * length
+    back = np.where(before < length, np.maximum(before, 0.0), half)
+    ahead = np.where(behind < length, np.maximum(behind, 0.0), half)
+    return Pieces(places, places - back, back + ahead)
 
 
 def pixel_noise(pixel: tuple[int, int], size: tuple[int, int], seed: float = 0.0) -> float:

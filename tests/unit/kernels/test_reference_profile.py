@@ -150,7 +150,11 @@ def test_slices_stand_for_longer_pieces_of_oblique_rays():
     span = span_of()
     normal = np.array([0.6, 0.8, 0.0])
     pieces = slice_pieces(span, normal, (0.0, 28.0), 28)
-    np.testing.assert_allclose(pieces.lengths, 1.0 / 0.8)
+    np.testing.assert_allclose(pieces.lengths[1:-1], 1.0 / 0.8)
+    # without gaps, from end to end
+    np.testing.assert_allclose(pieces.fronts[1:], (pieces.fronts + pieces.lengths)[:-1])
+    assert pieces.fronts[0] == pytest.approx(span.entry)
+    assert pieces.lengths.sum() == pytest.approx(span.exit - span.entry)
     heights = (span.start + pieces.places[:, None] * span.direction) @ normal
     np.testing.assert_allclose(heights % 1.0, 0.5, atol=1e-9)
     assert len(pieces.places) == pytest.approx(20 * 0.8, abs=1)
