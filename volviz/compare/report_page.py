@@ -162,7 +162,7 @@ def _pair_table(comparison: Comparison) -> str:
         "largest difference",
         "pixels off by > 2",
         "shift right, down",
-        "time, second / first",
+        "time ratio",
     ]
     return table(heads, rows, 1)
 
