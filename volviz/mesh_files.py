@@ -110,7 +110,8 @@ def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
     if target.exists():
         if not overwrite and target.stat().st_size:
             raise InputError(
-                f"{target}: the file exists already; choose another name or have it replaced (overwrite=True, --overwrite)."
+                f"{target}: the file exists already; choose another name, or have it replaced (overwrite=True, "
+                "--overwrite)."
             )
         if not os.access(target, os.W_OK):
             raise VolvizError(f"{target}: the file is protected; choose another name.")

@@ -124,7 +124,7 @@ def file_dialog_filters() -> list[str]:
 def _reader_for(job: Job) -> Reader:
     path = job.path
     if not path.exists():
-        raise job.error(f"there is no such file or folder; check the path.")
+        raise job.error("there is no such file or folder; check the path.")
     head = _head(path)
     if not head and path.is_file():
         raise job.error("the file is empty; get it again.")
