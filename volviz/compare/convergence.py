@@ -19,6 +19,7 @@ import numpy.typing as npt
 from volviz.compare.convergence_studies import (
     STRIDE_CELLS,
     Study,
+    diagonal,
     fitted_line,
     splat_distance,
     study,
@@ -39,8 +40,9 @@ from volviz.model.volume import Volume
 ROUNDING = 2e-3
 #: Points of each mesh from which distances are taken.
 MESH_SAMPLES = 100_000
-#: Pixels of the picture whose distance from the integral with shadow rays is told: every ray needs many of them.
-INTEGRAL_PIXELS = 80 * 60
+#: Pixels of the picture whose distance from the integral with shadow rays is told: every ray needs many of them. They
+#: become fewer where the volume's diagonal is longer than so many voxels.
+INTEGRAL_PIXELS, INTEGRAL_DIAGONAL = 80 * 60, 400.0
 LEVELS, VOXELS = "levels of 255", "voxels"
 
 
@@ -152,14 +154,15 @@ class ConvergenceRun:
     # ------------------------------------------------------------------------------------ pictures
 
     def _pictures(self) -> Generator[float, None, None]:
-        how, total = self._study, len(self._study.values) + 1
+        how, total = self._study, len(self._study.values) + 2
         truth, words = self._converged()
-        offset, model = self._offset(truth)
         yield 1 / total
+        offset, model = self._offset(truth)
+        yield 2 / total
         distances, errors, largest = [], [], []
         coarsest = self._settings | {how.parameter: self._as_setting(how.values[0])}
         with Stage(self._view, self._info.id, coarsest) as stage:
-            for done, value in enumerate(how.values, 2):
+            for done, value in enumerate(how.values, 3):
                 stage.update(**{how.parameter: self._as_setting(value)})
                 difference = 255.0 * np.abs(stage.picture("float32").astype(np.float64) - truth)
                 distances.append(self._distance(stage.settings))
@@ -185,7 +188,8 @@ class ConvergenceRun:
         """Distance of a technique's own limit from what it stands for, and what that is in words."""
         best = self._study.best
         if self._info.id == "half_angle":
-            view = smaller(self._view, INTEGRAL_PIXELS)
+            share = min((INTEGRAL_DIAGONAL / diagonal(self._view.volume)) ** 2, 1.0)
+            view = smaller(self._view, round(share * INTEGRAL_PIXELS))
             with Stage(view, self._info.id, self._settings | {"step": best}) as stage:
                 if stage.notice or not has_shadow_integral(view, stage.settings):
                     return None, ""
