@@ -11,7 +11,7 @@ import pytest
 
 import volviz
 from tests.render.scenes import LEFT_HANDED, blobs, camera, psnr
-from tests.render.test_marching_interaction import Pacer, complete
+from tests.render.test_marching_interaction import Pacer, SlowExtraction, complete
 from volviz.compare.distance_colors import distance_colors, distance_table
 from volviz.compare.distance_map import distance_maps
 from volviz.compare.meshes import side_mesh
@@ -156,6 +156,23 @@ def test_colours_end_with_their_surface_and_stay_with_its_look(ball: volviz.Volu
         handle.color_surface(colors)
         handle.update(technique="raycast")
         assert handle.surface_colors is None
+
+
+def test_no_colours_are_seen_while_another_surface_is_extracted(
+    ball: volviz.Volume, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with shown(ball, "marching_cubes", Pacer()) as (window, handle):
+        handle.color_surface(along_x(ball, "marching_cubes"))
+        complete(window, handle)
+        assert np.ptp(window.screenshot(return_img=True)[..., 0]) > 100
+        slow = SlowExtraction(monkeypatch)
+        handle.update(isovalue=13.0)
+        for _ in range(3):
+            window.render()
+            assert not handle.refine(0.01)
+            assert np.ptp(window.screenshot(return_img=True), axis=(0, 1)).max() == 0
+        slow.go.set()
+        assert complete(window, handle)[..., 1].max() > 0.3
 
 
 def test_what_draws_no_triangles_refuses_colours(ball: volviz.Volume) -> None:

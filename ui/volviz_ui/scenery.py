@@ -87,6 +87,10 @@ class Scenery:
             self._values_shown = _bar(_value_table(colors), words)
             # also narrow views have room for numbers there
             self._values_shown.SetTextPositionToPrecedeScalarBar()
+            self._values_shown.SetPosition(0.78, 0.25)
+            self._values_shown.SetWidth(0.2)
+            self._values_shown.SetBarRatio(0.12)
+            self._values_shown.SetLabelFormat("%.3g")
         elif words:
             self._values_shown = _line(words)
         if self._values_shown is not None:

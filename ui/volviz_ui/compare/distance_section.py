@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QCheckBox, QLabel, QProgressBar, QPushButton, QWidget
+from PySide6.QtWidgets import QCheckBox, QLabel, QProgressBar, QPushButton, QSizePolicy, QWidget
 
 from volviz.compare.distance_colors import DistanceColors
 from volviz.model.comparison import Comparison
@@ -37,6 +37,8 @@ class DistanceSection(Section):
             )
         )
         self.choice.setAccessibleName(self.tr("Colours of the surfaces"))
+        # or the field below, which is of one width, would say how wide the column is
+        self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         for words, value in (
             (self.tr("Their own"), "off"),
             (self.tr("Distance, signed"), "signed"),

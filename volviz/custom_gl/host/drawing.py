@@ -134,6 +134,9 @@ class Drawing:
             self._cost.forget()
         if shown.info.id != before.info.id:
             self._runner.retire()
+        if before.surface_colors is not None and not shown.is_same_surface(before):
+            # the last picture would stay until there is a new mesh, with colours that no longer mean anything
+            self._picture = None
         self._revision += 1
         self.error = None
         self._hook.set_corners(shown.box_corners)

@@ -157,14 +157,8 @@ class Shown:
         given = transfer_function or self.given_function
         resolved = given.resolved(new_volume.range)
         drawn = drawn_function(new_info, settings, resolved)
-        is_same = (
-            new_volume is self.volume
-            and new_info.id == self.info.id
-            and surface_settings(settings) == surface_settings(self.settings)
-        )
-        return replace(
+        changed = replace(
             self,
-            surface_colors=self.surface_colors if is_same else None,
             volume=new_volume,
             info=new_info,
             settings=settings,
@@ -173,6 +167,15 @@ class Shown:
             given_function=given,
             transfer_function=resolved,
             drawn_function=self.drawn_function if drawn == self.drawn_function else drawn,
+        )
+        return changed if changed.is_same_surface(self) else replace(changed, surface_colors=None)
+
+    def is_same_surface(self, other: Shown) -> bool:
+        """Whether a mesh technique extracts the same mesh."""
+        return (
+            self.volume is other.volume
+            and self.info.id == other.info.id
+            and surface_settings(self.settings) == surface_settings(other.settings)
         )
 
     def _settings_with(self, info: TechniqueInfo, own: Mapping[str, Any]) -> Any:
