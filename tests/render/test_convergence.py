@@ -12,6 +12,7 @@ import volviz
 from tests.render.scenes import POINTS, blobs
 from volviz.compare.convergence import Convergence, ConvergenceRun, cropped_to
 from volviz.compare.convergence_studies import study
+from volviz.compare.plots import axis_words
 from volviz.compare.run import Side, compare
 from volviz.compare.stage import View
 from volviz.custom_gl.registry import technique
@@ -118,3 +119,11 @@ def test_a_technique_without_a_curve_is_told_in_the_result(view: View) -> None:
     assert "bump_mapping" in found.without_curve[0]
     with pytest.raises(InputError, match="bump_mapping"):
         ConvergenceRun(view, "b", "bump_mapping")
+
+
+def test_the_axis_of_a_plot_tells_what_its_distances_are(view: View) -> None:
+    found = measured(view, "splatting")
+    slices, length = (replace(found, axis=axis) for axis in ("distance of slices", "length of something"))
+    assert axis_words([found]) == "distance of splats (voxels)"
+    assert axis_words([found, slices, found]) == "distance of splats or slices (voxels)"
+    assert axis_words([length, found]) == "distance of splats; length of something (voxels)"

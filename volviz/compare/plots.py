@@ -16,6 +16,7 @@ from volviz.compare.timing import FrameTimes
 
 #: Colours that people with any colour vision tell apart, on light and on dark (after Okabe and Ito 2008).
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#7f7f7f", "#a04bc4")
+DISTANCE = "distance of "
 _GRID = "#808080"
 _FAINT = 'stroke-width="1" stroke-opacity="0.3"'
 _FONT = 'font-family="system-ui, sans-serif" font-size="12"'
@@ -52,12 +53,14 @@ def convergence_plot(results: Sequence[Convergence], size: tuple[int, int] = (86
 
 
 def axis_words(results: Sequence[Convergence]) -> str:
-    """What the horizontal axis shows: of one technique its own word, of several what they have in common."""
+    """What the horizontal axis shows: distances of whatever the techniques are made of, and other lengths."""
     axes = dict.fromkeys(found.axis for found in results)
-    ends = [axis.removeprefix("distance of ") for axis in axes]
-    if all(axis.startswith("distance of ") for axis in axes):
-        return "distance of " + " or ".join(ends) + " in voxels"
-    return " or ".join(axes) + " in voxels"
+    kinds = [axis.removeprefix(DISTANCE) for axis in axes if axis.startswith(DISTANCE)]
+    words = [axis for axis in axes if not axis.startswith(DISTANCE)]
+    if kinds:
+        *most, last = kinds
+        words.insert(0, DISTANCE + (", ".join(most) + " or " if most else "") + last)
+    return "; ".join(words) + " (voxels)"
 
 
 class _LogFrame:
