@@ -343,17 +343,20 @@ class RestlessUser:
         if mode == "blink":
             return  # it changes while one looks
         screen = array_of(self.window.grab().toImage())
+        ratio = round(self.window.devicePixelRatioF())
         origin = views.mapTo(self.window, QPoint(0, 0))
 
         def on_screen(rect: QRect) -> np.ndarray:
             at = rect.translated(origin)
-            return screen[at.top() : at.bottom() + 1, at.left() : at.right() + 1]
+            return screen[
+                ratio * at.top() : ratio * (at.bottom() + 1), ratio * at.left() : ratio * (at.right() + 1)
+            ]
 
         if mode == "difference":
             place = views.arrangement.difference.geometry()
             shown = array_of(views.arrangement.difference.image)
             seen = on_screen(place)
-            width = place.width() - 160  # the bar
+            width = ratio * (place.width() - 160)  # the bar
             self._same("difference on the screen", seen[:, :width], shown[:, :width])
             return
         line = views.arrangement.divider.geometry()
@@ -361,7 +364,8 @@ class RestlessUser:
             place = QRect(pane.viewport.mapTo(views, QPoint(0, 0)), pane.viewport.size())
             seen, shown = on_screen(place), array_of(pane.viewport.grabFramebuffer())
             if mode == "wipe":
-                cut = slice(0, line.left()) if number == 0 else slice(line.right() + 1, place.width())
+                left = slice(0, ratio * line.left())
+                cut = left if number == 0 else slice(ratio * (line.right() + 1), ratio * place.width())
                 seen, shown = seen[:, cut], shown[:, cut]
             self._same(f"view {pane.view} on the screen", seen, shown)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -9,7 +10,14 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QWidget
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QWidget,
+)
 
 from tests.ui.conftest import drag, foreground, is_complete, picture
 from volviz.custom_gl.registry import techniques
@@ -323,3 +331,20 @@ def test_a_narrow_editor_shows_icons_without_words_and_none_cut_off(window: Main
         for button in (transfer.color_button, transfer.shape_button, transfer.arrange_button):
             assert (button.toolButtonStyle() == Qt.ToolButtonStyle.ToolButtonTextBesideIcon) is words
             assert button.width() >= button.sizeHint().width()
+
+
+@pytest.mark.parametrize("technique", ["raycast", "isosurface"])
+def test_the_tab_key_goes_through_the_technique_panel_from_above(window: MainWindow, technique: str) -> None:
+    choose_technique(window.store, technique)
+    panel = window.technique_panel
+    panel.box.setFocus()
+    rows = []
+    for _ in range(60):
+        QTest.keyClick(QApplication.focusWidget() or panel, Qt.Key.Key_Tab)
+        focused = QApplication.focusWidget()
+        if focused is None or not panel.body.isAncestorOf(focused):
+            break
+        rows.append(focused.mapTo(panel.body, QPoint(0, focused.height() // 2)).y())
+    assert len(rows) > 8
+    # labels and fields of one row differ by a few pixels in height
+    assert all(below - above > -12 for above, below in itertools.pairwise(rows))

@@ -28,6 +28,8 @@ class Banner(QFrame):
         self.words.setWordWrap(True)
         self.bar = ProgressBar(self)
         self.bar.setFixedWidth(110)
+        self.bar.setAccessibleName(self.tr("Progress of loading"))
+        self.bar.setToolTip(self.tr("How much of the file has been read"))
         self.details = QPushButton(self.tr("Details"), self)
         self.details.setToolTip(self.tr("Show what exactly went wrong"))
         self.stop = QPushButton(self.tr("Cancel"), self)

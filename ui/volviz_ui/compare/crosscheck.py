@@ -107,6 +107,7 @@ class CrosscheckPanel(QWidget):
         self.bar = ProgressBar(self)
         self.bar.setFixedWidth(120)
         self.bar.setAccessibleName(self.tr("Progress of the cross-check"))
+        self.bar.setToolTip(self.tr("How far the cross-check is"))
         self.stop = QPushButton(self.tr("Cancel"), self)
         self.stop.setToolTip(self.tr("Give the cross-check up at its next step"))
         self.stop.clicked.connect(self.cancel)

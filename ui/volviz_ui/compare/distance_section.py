@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QCheckBox, QLabel, QProgressBar, QPushButton, QSizePolicy, QWidget
+from PySide6.QtWidgets import QCheckBox, QLabel, QPushButton, QSizePolicy, QWidget
 
 from volviz.compare.distance_colors import DistanceColors
 from volviz.model.comparison import Comparison
@@ -14,6 +14,7 @@ from volviz_ui.binding import show_value
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import Section, quiet_label
+from volviz_ui.progress_bar import ProgressBar
 
 if TYPE_CHECKING:
     from volviz_ui.compare.commands import CompareCommands
@@ -67,11 +68,9 @@ class DistanceSection(Section):
         self._limit_words: QLabel = self.add_row(self.tr("Scale"), self.limit)
         self.state = quiet_label("", self)
         self.state.setWordWrap(True)
-        self.bar = QProgressBar(self)
-        self.bar.setTextVisible(False)
-        self.bar.setRange(0, 1000)
-        self.bar.setFixedHeight(8)
+        self.bar = ProgressBar(self)
         self.bar.setAccessibleName(self.tr("Progress of the distance"))
+        self.bar.setToolTip(self.tr("How far the distance is"))
         self.cancel_button = QPushButton(self.tr("Cancel"), self)
         self.cancel_button.setToolTip(
             self.tr("Give the distance up and show the surfaces in their own colours")
@@ -102,7 +101,7 @@ class DistanceSection(Section):
     def show_progress(self, fraction: float) -> None:
         """How far the distance is, 0..1."""
         self.show_state(self.tr("Measuring the distance…"))
-        self.bar.setValue(round(1000 * fraction))
+        self.bar.show_fraction(fraction)
         self.bar.show()
         self.cancel_button.show()
 

@@ -17,6 +17,7 @@ from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figure_table import FigureTable
 from volviz_ui.compare.figures import PairFigures
 from volviz_ui.compare.look_section import LookSection
+from volviz_ui.panels.focus_order import set_focus_order
 from volviz_ui.panels.panel import Panel, Section, quiet_label
 from volviz_ui.progress_bar import ProgressBar
 
@@ -84,6 +85,7 @@ class ComparePanel(Panel):
             self.add(section)
         self.add(self._report())
         self.show_nothing("")
+        set_focus_order(self.body)
 
     # ------------------------------------------------------------------ tables
 
@@ -172,6 +174,7 @@ class ComparePanel(Panel):
         self.work.setWordWrap(True)
         self.bar = ProgressBar(self)
         self.bar.setAccessibleName(self.tr("Progress of the report or of the convergence"))
+        self.bar.setToolTip(self.tr("How far the report or the convergence is"))
         self.cancel_button = QPushButton(self.tr("Cancel"), self)
         self.cancel_button.setToolTip(self.tr("Give up what is being drawn and measured"))
         self.cancel_button.clicked.connect(self.work_cancelled)

@@ -23,8 +23,10 @@ class PreferencesDialog(QDialog):
             theme,
         )
         self.theme.setToolTip(self.tr("Colours of the window"))
+        self.theme.setAccessibleName(self.tr("Theme"))
         self.quality = self._list(quality_choices(self), quality)
         self.quality.setToolTip(self.tr("How much is given up while something moves"))
+        self.quality.setAccessibleName(self.tr("Quality while moving"))
         self.theme.currentIndexChanged.connect(lambda: self.theme_chosen.emit(self.theme.currentData()))
         self.quality.currentIndexChanged.connect(lambda: self.quality_chosen.emit(self.quality.currentData()))
         form = QFormLayout()
@@ -33,7 +35,7 @@ class PreferencesDialog(QDialog):
         form.addRow(self.tr("Theme"), self.theme)
         form.addRow(self.tr("Quality while moving"), self.quality)
         hint: QLabel = quiet_label(
-            self.tr("At rest the picture is always complete; movies and exported pictures are too.")
+            self.tr("At rest the picture is always complete; exported pictures are too.")
         )
         hint.setWordWrap(True)
         form.addRow(hint)

@@ -15,6 +15,7 @@ from volviz.model.parameters import Parameter
 from volviz.model.scene import Scene, Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
+from volviz_ui.panels.focus_order import set_focus_order
 from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.panels.light import LightSection
 from volviz_ui.panels.panel import Panel, quiet_label, small_button
@@ -115,6 +116,7 @@ class TechniquePanel(Panel):
             self.column.insertWidget(2, form)
             form.show()
             self.form = form
+            set_focus_order(self.body)
         # at once: painted before the layout has settled, the new form would be seen squeezed for a moment
         QCoreApplication.sendPostedEvents(self.body, QEvent.Type.LayoutRequest.value)
         self.updateGeometry()

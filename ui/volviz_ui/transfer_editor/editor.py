@@ -24,6 +24,7 @@ from volviz.model.presets import Preset, presets
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.transfer_function_2d import TransferFunction2D
 from volviz_ui.icons import set_icon
+from volviz_ui.panels.focus_order import set_focus_order
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
 from volviz_ui.transfer_editor.counting import Counter
 from volviz_ui.transfer_editor.dimension_switch import DimensionSwitch
@@ -243,6 +244,7 @@ class TransferEditor(QWidget):
         layout.setSpacing(4)
         layout.addLayout(bar)
         layout.addLayout(body, 1)
+        set_focus_order(self)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Where the bar is too narrow, the icons do without their words."""
