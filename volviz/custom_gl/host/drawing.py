@@ -16,7 +16,7 @@ from volviz.custom_gl.host.frames import frame_size, make_frame
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
 from volviz.custom_gl.host.kept_targets import KeptTargets
 from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
-from volviz.custom_gl.host.picture import Picture, area_of, composite
+from volviz.custom_gl.host.picture import Picture, PictureKey, area_of, composite
 from volviz.custom_gl.host.refinement import Refinement
 from volviz.custom_gl.host.renderer_view import RendererView
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
@@ -222,7 +222,7 @@ class Drawing:
         tiles = -(-width // TILE[0]) * -(-height // TILE[1])
         return TILE if expected <= CHUNK_SECONDS * tiles else SMALL_TILE
 
-    def _refine_further(self, key: Any, first: Target, budget: float) -> bool:
+    def _refine_further(self, key: PictureKey, first: Target, budget: float) -> bool:
         """Draw pictures that follow the full one; only the window that has shown that one asks for them."""
         if self.pacer is None:
             return True
@@ -232,7 +232,7 @@ class Drawing:
             self._report(replace(self.status, samples=self._accumulation.count))
         return shown
 
-    def _more_pictures(self, key: Any) -> bool:
+    def _more_pictures(self, key: PictureKey) -> bool:
         """Whether pictures are to follow the full one of that key, which is shown."""
         if not self.accumulates or not self._runner.says("accumulates", True):
             return False
@@ -305,7 +305,7 @@ class Drawing:
         if not self._interacting and (level != FULL or (self.status.complete and self._more_pictures(key))):
             self.pacer.request(self)
 
-    def _draw_at(self, level: Level, key: Any) -> None:
+    def _draw_at(self, level: Level, key: PictureKey) -> None:
         if self.pacer is not None:
             # what VTK has submitted before is not part of our cost
             self._gpu.gpu.gl.finish()
@@ -334,7 +334,7 @@ class Drawing:
         self._picture = self._finished(key, frame, drawn)
         self._report(FrameStatus(drawn.fraction, seconds, drawn == FULL, 1.0))
 
-    def _finished(self, key: Any, frame: Frame, level: Level) -> Picture:
+    def _finished(self, key: PictureKey, frame: Frame, level: Level) -> Picture:
         area = area_of(frame, within_tiles=self._runner.says("within_tiles", False))
         return Picture(key, frame.target, level, area)
 
@@ -362,9 +362,9 @@ class Drawing:
 
     # ------------------------------------------------------------------ what a picture depends on
 
-    def _key(self) -> Any:
+    def _key(self) -> PictureKey:
         camera = self.view.camera()
-        return (
+        return PictureKey(
             self._revision,
             self.view.rectangle()[:2],
             camera.view.tobytes(),
@@ -451,10 +451,10 @@ class Drawing:
         Raises
         ------
         RenderError
-            There is no full picture of the present state.
+            There is no full picture of the present values (the camera may have moved on).
         """
         picture = self._picture
-        if picture is None or picture.level != FULL or picture.key != self._key():
+        if picture is None or picture.level != FULL or picture.key.revision != self._revision:
             raise RenderError(
                 "there is no full picture to read: render the plotter first, and let no other pass (ambient "
                 "occlusion, shadows, SSAA) take the place of the volume's."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -18,19 +18,41 @@ from volviz.custom_gl.technique import Frame
 _PREMULTIPLIED = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 
 
+class PictureKey(NamedTuple):
+    """What a picture shows: equal keys, equal pictures.
+
+    Attributes
+    ----------
+    revision : int
+        Of the values shown.
+    size : tuple of 2 ints
+        Width and height of the viewport.
+    view, projection : bytes
+        Matrices of the camera.
+    scene : object
+        Opaque geometry (`SceneDepth.key`).
+    """
+
+    revision: int
+    size: tuple[int, int]
+    view: bytes
+    projection: bytes
+    scene: Any
+
+
 @dataclass(frozen=True)
 class Picture:
     """A finished picture and what it shows.
 
     Attributes
     ----------
-    key : object
-        Changes with everything that the picture shows.
+    key : PictureKey
+        What it shows.
     area : tuple of 4 floats
         Part of it that may hold anything, as fractions: left, bottom, right, top.
     """
 
-    key: Any
+    key: PictureKey
     target: Target
     level: Level
     area: tuple[float, float, float, float]
