@@ -505,6 +505,7 @@ def test_a_side_that_is_slow_gets_fewer_frames_and_the_report_says_so() -> None:
     assert len(found.notes) == 2
     assert "1 of 3 frames was measured" in found.notes[0]
     assert "1 of 3 frames was measured" in html_report([found])
+    assert any("Up to 3 frames" in words for words in found.remarks)
     assert compare(view, [Side("raycast"), Side("slicing")], frames=1).notes == ()
 
 

@@ -163,6 +163,14 @@ class ComparisonRun:
         self.result = self._comparison(tuple(results.values()), tuple(pairs), tuple(orders), renderer)
         yield 1.0, "done"
 
+    def _time_given(self) -> tuple[str, ...]:
+        """A sentence on how long times were taken."""
+        if not self._frames:
+            return ()
+        return (
+            f"Up to {self._frames} frames of each side are measured, as many as {self._patience:.3g} s allow, at least one.",
+        )
+
     def _hurried(self, sides: Sequence[SideResult]) -> tuple[str, ...]:
         """Sentences on the sides that were too slow for all frames."""
         return tuple(
@@ -265,7 +273,7 @@ class ComparisonRun:
             convergence=orders,
             without_curve=self._without_curve(),
             command=self._command,
-            remarks=REMARKS,
+            remarks=REMARKS + self._time_given(),
             notes=self._hurried(sides),
         )
 
