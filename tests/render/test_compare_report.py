@@ -353,7 +353,7 @@ def test_a_camera_can_be_given_in_numbers(volume_file: Path, tmp_path: Path) -> 
         (["-t", "raycast", "-t", "slicing", "--set", "splat_size=2", "-o", "r.html"], "splat_size"),
         (["-t", "raycast", "-t", "slicing", "--set", "step", "-o", "r.html"], "NAME=VALUE"),
         (["-t", "raycast:headlight=false", "-t", "slicing", "-o", "r.html"], "--set"),
-        (["-t", "raycast", "-t", "slicing", "--size", "0x3", "-o", "r.html"], "--size"),
+        (["-t", "raycast", "-t", "slicing", "--size", "0x3", "-o", "r.html"], "0 x 3"),
         (["-t", "raycast", "-t", "slicing", "--size", "3x3", "-o", "r.html"], "7 x 7"),
         (["-t", "raycast", "-t", "slicing", "--camera", "1,2", "-o", "r.html"], "--camera"),
         (["-t", "raycast", "-t", "slicing", "--frames", "-1", "-o", "r.html"], "--frames"),

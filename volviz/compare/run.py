@@ -167,9 +167,8 @@ class ComparisonRun:
         """A sentence on how long times were taken."""
         if not self._frames:
             return ()
-        return (
-            f"Up to {self._frames} frames of each side are measured, as many as {self._patience:.3g} s allow, at least one.",
-        )
+        words = f"as many as {self._patience:.3g} s allow, one at least."
+        return (f"Up to {self._frames} frames of each side are measured: {words}",)
 
     def _hurried(self, sides: Sequence[SideResult]) -> tuple[str, ...]:
         """Sentences on the sides that were too slow for all frames."""
