@@ -34,7 +34,8 @@ def table(
     parts = ['<div class="wide"><table>']
     if heads:
         cells = (
-            f"<th{NUMBER if i >= numbers_from else ''}>{escape(head)}</th>" for i, head in enumerate(heads)
+            f'<th scope="col"{NUMBER if i >= numbers_from else ""}>{escape(head)}</th>'
+            for i, head in enumerate(heads)
         )
         parts.append("<thead><tr>" + "".join(cells) + "</tr></thead>")
     parts.append("<tbody>")

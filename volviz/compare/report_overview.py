@@ -52,7 +52,7 @@ def _matrix(
                 tint = f' style="--tint:{TINT * min(max(strength, 0.0), 1.0):.0f}%"'
                 link = f'<td class="number heat"{tint}><a href="#c{number}">{words}</a></td>'
                 cells.setdefault((pair.first, pair.second), {})[str(comparison.volume["name"])] = link
-    heads = "".join(f"<th{NUMBER}>{escape(name)}</th>" for name in volumes)
+    heads = "".join(f'<th scope="col"{NUMBER}>{escape(name)}</th>' for name in volumes)
     rows = [
         f"<tr><td>{escape(first)}, {escape(second)}</td>"
         + "".join(row.get(name, f"<td{NUMBER}>–</td>") for name in volumes)
@@ -60,7 +60,7 @@ def _matrix(
         for (first, second), row in cells.items()
     ]
     return (
-        f'<div class="wide"><table><thead><tr><th>techniques</th>{heads}</tr></thead><tbody>'
+        f'<div class="wide"><table><thead><tr><th scope="col">techniques</th>{heads}</tr></thead><tbody>'
         + "\n".join(rows)
         + "</tbody></table></div>"
     )

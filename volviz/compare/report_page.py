@@ -53,7 +53,7 @@ def page(comparisons: Sequence[Comparison], notes: Sequence[str] = ()) -> str:
         # browsers ask for an icon otherwise
         '<link rel="icon" href="data:,">',
         f"<title>{escape(title)}</title>",
-        f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head><body>",
+        f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head><body><main>",
     ]
     if several:
         parts += [f"<h1>{escape(title)}</h1>", *overview(comparisons)]
@@ -71,7 +71,7 @@ def page(comparisons: Sequence[Comparison], notes: Sequence[str] = ()) -> str:
     parts += ["</div>", "<h2>How this was made</h2>", bullets(last.remarks)]
     for command in dict.fromkeys(c.command for c in comparisons if c.command):
         parts.append(f"<pre>{escape(command)}</pre>")
-    parts.append("</body></html>")
+    parts.append("</main></body></html>")
     return "\n".join(parts) + "\n"
 
 
