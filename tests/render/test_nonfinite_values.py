@@ -39,6 +39,7 @@ def test_no_number_is_drawn_as_the_lowest_value(technique: str) -> None:
 
 #: What makes fields of 0..1 hard for 32-bit floats: a factor and an offset.
 HARD = {"narrow and far from zero": (1e-3, 1e6), "huge": (1e30, 0.0), "tiny": (1e-30, 0.0)}
+
 #: Normals come from gradients, which are squared.
 SQUARING = ("isosurface", "marching_cubes", "vtk_isosurface", "vtk_flying_edges")
 
@@ -68,3 +69,10 @@ def test_values_that_floats_cannot_hold_are_drawn_as_others_are(technique: str, 
     assert np.isfinite(seen).all()
     # where outlines are, pixels may fall on either side
     assert (np.abs(seen - expected).max(axis=-1) > 0.02).mean() <= 0.005
+
+
+def test_a_range_wider_than_floats_are_is_drawn() -> None:
+    easy = volviz.Volume(blobs(dtype=np.float64))
+    wide = volviz.Volume(((2.0 * easy.array - 1.0) * 3e38).astype(np.float32))
+    pictures = [picture(of, function(of), camera(of), size=SIZE) for of in (easy, wide)]
+    np.testing.assert_allclose(*pictures, atol=2e-3)

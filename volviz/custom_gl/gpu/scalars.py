@@ -289,12 +289,14 @@ def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> 
     scale = {"u1": 255.0, "u2": 65535.0 / spread, "f4": 1.0}[kind] / (1.0 if kind == "f4" else span)
     # the lowest value becomes 0 exactly: below it nothing may be lost to rounding
     wide = array.dtype.itemsize > 4 or (array.dtype.kind in "iu" and array.dtype.itemsize == 4)
+    # nor may the range be larger or smaller than 32-bit floats are
+    wide = wide or not 1e-30 < span < 1e38
 
     def fill(start: int, stop: int) -> None:
         for z in range(start, stop):
             above = np.subtract(array[z], lowest, dtype=np.float64 if wide else np.float32)
             if kind == "f4":
-                above *= 1.0 / span
+                above /= span
                 if array.dtype.kind == "f":
                     above[~np.isfinite(array[z])] = 0.0
                 out[z] = above
