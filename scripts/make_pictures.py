@@ -309,7 +309,8 @@ def draw_comparison_in_window() -> None:
         while window.measurements.figures is None:
             QApplication.processEvents()
         window.compare_panel.time_button.click()
-        while window.measurements.timing.is_running:
+        # taking times draws the pictures anew, and their figures are measured anew
+        while window.measurements.timing.is_running or window.measurements.figures is None:
             QApplication.processEvents()
 
     draw_in_window("window-compare", "dark", "engine", act)

@@ -291,6 +291,14 @@ def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
     wait_for(lambda: len(panel.findChildren(SettingsForm)) == len(techniques()))
     assert [form for form in panel.findChildren(SettingsForm) if form.isVisible()] == [panel.form]
     assert panel.form.info.id == "slicing"
+    # another theme would dress them all: those that nobody sees go, and come back in the next quiet time
+    monkeypatch.setattr(form_shelf, "REST_MS", 100_000)
+    window.set_theme("light")
+    assert panel.findChildren(SettingsForm) == [panel.form]
+    window.set_theme("dark")
+    choose_technique(window.store, "raycast")
+    assert panel.form.isVisible()
+    panel.shelf.stop()
 
 
 def test_long_names_and_units_are_shortened_and_make_nothing_wider(window: MainWindow) -> None:

@@ -203,6 +203,7 @@ class MainWindow(QMainWindow):
         self.transfer_editor.failed.connect(
             lambda error: show_error(self, self.tr("Transfer function"), error)
         )
+        self.theme.about_to_change.connect(self.technique_panel.forget_forms)
         section = self.technique_panel.surface
         self.surface.facts_changed.connect(section.show_facts)
         self.surface.work_changed.connect(section.show_work)

@@ -182,6 +182,8 @@ class Theme(QObject):
         Which theme.
     """
 
+    about_to_change = Signal()
+    """Every widget that there is will be dressed anew: what nobody sees may go before."""
     changed = Signal()
 
     def __init__(self, application: QApplication, choice: Choice = "system") -> None:
@@ -225,6 +227,7 @@ class Theme(QObject):
         if self.colors is self._shown:
             return
         self._shown = self.colors
+        self.about_to_change.emit()
         self._application.setPalette(palette_of(self.colors))
         self._application.setStyleSheet(style_sheet(self.colors))
         icons.refresh()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtWidgets import QApplication
+from shiboken6 import delete
 
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
@@ -46,6 +47,13 @@ class FormShelf(QObject):
                 del self._forms[ident]
                 form.hide()
                 form.deleteLater()
+
+    def keep_only(self, form: SettingsForm | None) -> None:
+        """Let all others go, now."""
+        for ident, other in list(self._forms.items()):
+            if other is not form:
+                del self._forms[ident]
+                delete(other)
 
     def form(self, info: TechniqueInfo) -> SettingsForm:
         """The form of a technique, made now if there is none."""

@@ -79,6 +79,12 @@ class TechniquePanel(Panel):
             self._show_form()
         self.light.set_volume(volume)
 
+    def forget_forms(self) -> None:
+        """Keep the form that is shown and no other."""
+        self.shelf.keep_only(self.form)
+        if self.isVisible():
+            self.shelf.rest()
+
     def show_technique(self, _technique: str) -> None:
         """Show the settings of another technique."""
         self._show_form()
