@@ -129,6 +129,16 @@ def test_decimation_removes_the_wanted_share_and_normals_stay_outward(volume):
     assert (np.einsum("ij,ij->i", mesh.points - middle, mesh.point_normals) > 0).mean() > 0.98
 
 
+@pytest.mark.parametrize("bounds", [None, (0, 1, 0, 1, 0, 1)], ids=["closed", "one triangle"])
+@pytest.mark.parametrize("normals", ["gradient", "flat"])
+def test_of_the_smallest_mesh_decimation_leaves_something(bounds, normals):
+    array = np.zeros((3, 3, 3))
+    array[1, 1, 1] = 1.0
+    mesh = extract_isosurface(Volume(array), 0.5, decimate=0.99, bounds=bounds, normals=normals)
+    assert mesh.n_cells == (4 if bounds is None else 1)
+    assert mesh_area_volume(mesh)[0] > 0
+
+
 @pytest.mark.parametrize(
     "keywords",
     [{"smooth": -1}, {"decimate": 1.0}, {"decimate": -0.1}, {"method": "best"}, {"min_triangles": -1}],

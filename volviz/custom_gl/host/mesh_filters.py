@@ -26,8 +26,8 @@ Array = npt.NDArray[Any]
 
 #: Pass band of the smoothing (Taubin 1996): lower is smoother; 0.1 keeps the shape and takes the steps away.
 PASS_BAND = 0.1
-#: Angle in degrees from which VTK's smoothing takes an edge for a feature; features are smoothed as well.
-FEATURE_ANGLE = 45.0
+#: Triangles that decimation leaves at least: the fewest that enclose anything.
+FEWEST = 4
 
 
 def filter_triangles(
@@ -50,7 +50,8 @@ def filter_triangles(
     smoothing : int, default: 0
         Iterations of windowed-sinc smoothing (Taubin, Zhang and Golub 1996), which does not shrink the surface.
     decimation : float, default: 0.0
-        Share of the triangles to remove by quadric error (Garland and Heckbert 1997), 0 to 0.99.
+        Share of the triangles to remove by quadric error (Garland and Heckbert 1997), 0 to 0.99; some are left of
+        any mesh.
     progress : callable, optional
         Called with the finished fraction, 0..1, on the thread that works.
     cancel : callable, optional
@@ -75,14 +76,14 @@ def filter_triangles(
         sinc = vtkWindowedSincPolyDataFilter()
         sinc.SetNumberOfIterations(int(smoothing))
         sinc.SetPassBand(PASS_BAND)
-        sinc.SetFeatureAngle(FEATURE_ANGLE)
         sinc.BoundarySmoothingOff()
         sinc.FeatureEdgeSmoothingOff()
         sinc.NonManifoldSmoothingOff()
         steps.append((sinc, 1.0))
-    if decimation:
+    removable = min(decimation, 1.0 - FEWEST / len(faces))
+    if removable > 0:
         quadric = vtkQuadricDecimation()
-        quadric.SetTargetReduction(float(decimation))
+        quadric.SetTargetReduction(float(removable))
         steps.append((quadric, 8.0))
     shading = vtkPolyDataNormals()
     # VTK would otherwise split or turn what already is consistent
@@ -97,7 +98,9 @@ def filter_triangles(
     mesh = _mesh((vertices - middle).astype(np.float32), faces)
     whole, done = sum(share for _, share in steps), 0.0
     for step, share in steps:
-        mesh = _run(step, mesh, done / whole, share / whole, progress, cancel)
+        changed = _run(step, mesh, done / whole, share / whole, progress, cancel)
+        # of a mesh that is all border VTK may leave nothing
+        mesh = changed if changed.GetNumberOfCells() else mesh
         done += share
     return (
         (vtk_to_numpy(mesh.GetPoints().GetData()) + middle).astype(np.float32),
