@@ -1,12 +1,14 @@
 # `make run` and `make test` do all the set-up themselves; see CONTRIBUTING.md.
 #
 #   make run ARGS="head.nrrd"          open a file
-#   make test ARGS="-m unit -x"        arguments for pytest
+#   make test ARGS="-m unit -x"        arguments for pytest (without any: all tests, in two processes)
 #   make run PYTHON=python3.13         choose the interpreter (3.11 to 3.14)
 
 PYTHON ?= $(shell sh scripts/find_python.sh)
 VENV := .venv
 BIN := $(VENV)/bin
+# All tests run in two processes, each file in one of them; each process has a virtual screen of its own.
+ALL_TESTS := --numprocesses 2 --dist loadfile
 MAKEFLAGS += --no-print-directory
 
 .DEFAULT_GOAL := help
@@ -33,7 +35,7 @@ run: python
 
 test: python
 	@$(PYTHON) scripts/set_up.py --for test
-	@$(BIN)/python -m pytest $(ARGS)
+	@$(BIN)/python -m pytest $(or $(ARGS),$(ALL_TESTS))
 
 lint: python
 	@$(PYTHON) scripts/set_up.py --for check

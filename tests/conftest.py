@@ -27,6 +27,9 @@ if sys.platform.startswith("linux"):
     # Pictures are drawn as on a machine without a display, though the tests of the window have one.
     os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
 prepare()
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # OpenMP's threads wait for work by turning in circles, at the cost of the process beside this one
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 # The same examples each time, so that a change that breaks nothing never fails; no deadline, since machines
 # differ. `--hypothesis-profile=search` looks for new ones.
