@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import hypothesis
 import pytest
 
+from tests.displays import NO_DISPLAY, window_can_open
 from tests.leaks import Watch, thaw
-from volviz.environment import display_answers, prepare
+from volviz.environment import prepare
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,14 +59,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Say in words what Qt would only say with "Aborted"."""
-    if not sys.platform.startswith("linux") or session.config.option.collectonly:
+    # a process among several cannot stop the others: there the fixture below refuses each test
+    if session.config.option.collectonly or "PYTEST_XDIST_WORKER" in os.environ:
         return
-    if any(layer_of(item.path) == "ui" for item in session.items) and not display_answers():
-        pytest.exit(
-            "The tests of the window need a display, and there is neither Xvfb nor a DISPLAY that answers. "
-            "Install Xvfb (Debian: apt-get install xvfb) or leave them out with: pytest -m 'not ui'",
-            returncode=pytest.ExitCode.USAGE_ERROR,
-        )
+    if any(layer_of(item.path) == "ui" for item in session.items) and not window_can_open():
+        pytest.exit(NO_DISPLAY, returncode=pytest.ExitCode.USAGE_ERROR)
 
 
 @pytest.hookimpl(wrapper=True)

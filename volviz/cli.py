@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import sys
 from collections.abc import Sequence
 
@@ -27,6 +28,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit status: 0, 1 for a check that does not hold, 2 for bad input or arguments.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
+    # names of files and units may hold characters that a pipe or an old terminal cannot take
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     parser = make_parser()
     try:
         if not arguments or (arguments[0] not in _COMMANDS and not arguments[0].startswith("-")):

@@ -140,7 +140,8 @@ def _write(
     cancel: Callable[[], bool] | None,
 ) -> None:
     writer = _writer(mesh, path.suffix)
-    writer.SetFileName(str(path))
+    # as bytes: a name on Linux need not be text
+    writer.SetFileName(os.fsencode(path))
     furthest = 0.0
     errors: list[Exception] = []
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import sys
 import threading
 import time
 from pathlib import Path
@@ -16,6 +17,7 @@ import pytest
 import tifffile
 
 from tests.unit.io.writers import dicom_slice, itk, scalars
+from volviz.cli import main
 from volviz.errors import Cancelled, InputError, LoadError, VolvizError
 from volviz.io import file_dialog_filters, info, load, suffixes
 from volviz.io.table import READERS
@@ -176,6 +178,15 @@ def test_damage_anywhere_in_the_file_never_ends_in_anything_but_a_volume_or_a_se
             load(path)
         assert time.perf_counter() - started < 5
     assert capfd.readouterr() == ("", "")
+
+
+@by_reader
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere names are always text")
+def test_a_name_that_is_no_text_is_opened_and_told(reader, file, capsys):
+    named = file.rename(file.with_name(os.fsdecode(b"\xe9 \xff ") + file.name))
+    np.testing.assert_array_equal(load(named).array, ARRAY)
+    assert main(["info", str(named)]) == 0
+    assert reader.name.split()[0].lower() in capsys.readouterr().out.lower()
 
 
 @by_reader

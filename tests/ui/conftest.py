@@ -13,11 +13,19 @@ from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
+from tests.displays import NO_DISPLAY, window_can_open
 from volviz.custom_gl.host.handle import VolumeHandle
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.preferences import Preferences
 from volviz_ui.theme import Theme
+
+
+@pytest.fixture(scope="session", autouse=True)
+def display() -> None:
+    """Refuse in words what Qt would end with "Aborted"."""
+    if not window_can_open():
+        pytest.fail(NO_DISPLAY, pytrace=False)
 
 
 @pytest.fixture(scope="session")

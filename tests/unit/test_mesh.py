@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import sys
+
 import numpy as np
 import pytest
 
@@ -266,6 +269,14 @@ def _sorted(triangles):
 def test_an_existing_file_is_replaced(volume, tmp_path):
     path = tmp_path / "ball.stl"
     path.write_bytes(b"x" * 10)
+    save_mesh(extract_isosurface(volume, 0.0), path)
+    assert path.stat().st_size > 1000
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere names are always text")
+@pytest.mark.parametrize("ending", MESH_FORMATS)
+def test_a_name_that_is_no_text_is_written(volume, tmp_path, ending):
+    path = tmp_path / os.fsdecode(b"\xe9" + ending.encode())
     save_mesh(extract_isosurface(volume, 0.0), path)
     assert path.stat().st_size > 1000
 

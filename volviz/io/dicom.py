@@ -300,7 +300,8 @@ def _decoded(path: Path) -> npt.NDArray[Any] | None:
     SimpleITK.ProcessObject.GlobalWarningDisplayOff()
     try:
         array = np.asarray(SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path))))
-    except RuntimeError:
+    except (RuntimeError, UnicodeError):
+        # the second one: a name that is not text, which SimpleITK does not take
         return None
     finally:
         SimpleITK.ProcessObject.SetGlobalWarningDisplay(shown)

@@ -5,6 +5,7 @@ VTK says nothing about patients; its coordinates are taken for the world frame a
 
 from __future__ import annotations
 
+import os
 import re
 from typing import TYPE_CHECKING, Any
 
@@ -125,7 +126,8 @@ def _image(job: Job, *, legacy: bool) -> Any:
     observer = reader.AddObserver("ProgressEvent", progressed)
     try:
         with vtk_complaints() as complaints:
-            reader.SetFileName(str(job.path))
+            # as bytes: a name on Linux need not be text
+            reader.SetFileName(os.fsencode(job.path))
             reader.Update()
     finally:
         reader.RemoveObserver(observer)
