@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from volviz.io.memory import check_memory
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -128,10 +130,11 @@ def read_stored(stored: Stored, job: Job) -> npt.NDArray[Any]:
     Raises
     ------
     LoadError
-        See `check_sizes`; damaged compressed data.
+        See `check_sizes`; more values than memory can hold; damaged compressed data.
     Cancelled
     """
     check_sizes(stored, job)
+    check_memory(job, stored.nbytes)
     if stored.encoding == "text":
         return _read_text(stored, job)
     job.report(0.0)

@@ -13,6 +13,7 @@ import numpy as np
 from volviz.errors import InputError, VolvizError
 from volviz.io.axes import choose, to_zyx
 from volviz.io.geometry import Geometry
+from volviz.io.memory import check_memory
 from volviz.io.reader import stem
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def _array(job: Job, series: tifffile.TiffPageSeries) -> tuple[npt.NDArray[Any],
         job.report(0.1, "reading pages")
         for number in range(len(series.pages)):
             _page(job, series, number)
+        check_memory(job, series.nbytes)
         return series.asarray(), axes
     # one page per index of the leading axes: read those of the wanted time point and channel alone
     index: list[Any] = [slice(None)] * len(leading)
@@ -114,6 +116,7 @@ def _array(job: Job, series: tifffile.TiffPageSeries) -> tuple[npt.NDArray[Any],
     numbers = np.asarray(np.arange(len(series.pages)).reshape(leading)[tuple(index)])
     kept = "".join(letter for letter, i in zip(axes, index, strict=False) if isinstance(i, slice))
     kept += axes[len(leading) :]
+    check_memory(job, numbers.size * page.nbytes)
     array = np.empty((numbers.size, *page.shape), series.dtype)
     for number, page_number in enumerate(numbers.flat):
         job.report(number / numbers.size, "reading pages")

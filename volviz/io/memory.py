@@ -1,0 +1,62 @@
+"""Whether a volume fits into memory, asked before it is read.
+
+Linux hands out memory that it does not have and ends the process when that is used: a file that is too large would
+take the window along. So its size is compared with what is free beforehand.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from volviz.io.reader import Job
+
+MEMINFO = Path("/proc/meminfo")
+CGROUP = Path("/sys/fs/cgroup")
+
+
+def free_bytes() -> int | None:
+    """Bytes of memory that can be had without ending another program, None where the system does not tell.
+
+    Linux alone tells (``MemAvailable`` of the kernel, and the limit of a container); elsewhere a request that cannot be
+    met fails by itself.
+    """
+    found: list[int] = []
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        found = [
+            1024 * int(line.split()[1])
+            for line in MEMINFO.read_text(encoding="ascii").splitlines()
+            if line.startswith(("MemAvailable:", "SwapFree:"))
+        ]
+    if not found:
+        return None
+    free = sum(found)
+    with contextlib.suppress(OSError, ValueError):
+        # "max" means no limit, and is no number
+        limit = int((CGROUP / "memory.max").read_text(encoding="ascii"))
+        used = int((CGROUP / "memory.current").read_text(encoding="ascii"))
+        free = min(free, limit - used)
+    return max(free, 0)
+
+
+def check_memory(job: Job, wanted: int) -> None:
+    """Refuse what does not fit.
+
+    Parameters
+    ----------
+    job : Job
+    wanted : int
+        Bytes of the array that is to be made.
+
+    Raises
+    ------
+    LoadError
+    """
+    free = free_bytes()
+    if free is not None and wanted > free:
+        raise job.error(
+            f"it needs {wanted / 2**30:.3g} GiB of memory and {free / 2**30:.3g} GiB are free; "
+            "close other programs, crop it or save it with fewer voxels."
+        )
