@@ -7,8 +7,9 @@
 PYTHON ?= $(shell sh scripts/find_python.sh)
 VENV := .venv
 BIN := $(VENV)/bin
-# All tests run in two processes, each file in one of them; each process has a virtual screen of its own.
-ALL_TESTS := --numprocesses 2 --dist loadfile
+# All tests run in two processes, each file in one of them; each process has a virtual screen of its own. The
+# layers keep their order, so that mistakes in plain values show first.
+ALL_TESTS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 MAKEFLAGS += --no-print-directory
 
 .DEFAULT_GOAL := help

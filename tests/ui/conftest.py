@@ -110,9 +110,12 @@ def first_full_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def wait_for(qapp: QApplication) -> Callable[..., None]:
-    """Run the event loop until something holds; fails after half a minute."""
+    """Run the event loop until something holds; fails when it never does.
 
-    def wait(condition: Callable[[], object], seconds: float = 30.0) -> None:
+    Two minutes, since kernels may have to be compiled first, on a machine that runs other tests beside.
+    """
+
+    def wait(condition: Callable[[], object], seconds: float = 120.0) -> None:
         end = time.monotonic() + seconds
         while not condition():
             assert time.monotonic() < end, "it did not happen in time"

@@ -100,7 +100,7 @@ def test_convergence_comes_back_with_slopes_and_can_be_cancelled(
     assert not panel.report_button.isEnabled()
     seen: list[int] = []
     window.reports.process.progressed.connect(lambda *_: seen.append(panel.bar.value()))
-    wait_for(lambda: not window.reports.is_running, 120)
+    wait_for(lambda: not window.reports.is_running, 300)
     assert [curve.name for curve in panel.plot.curves] == ["raycast", "slicing"]
     assert all(0.7 < curve.slope < 3 for curve in panel.plot.curves)
     assert seen == sorted(seen)

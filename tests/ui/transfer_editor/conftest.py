@@ -50,7 +50,7 @@ def editor(qtbot, store, tmp_path) -> Iterator[TransferEditor]:
     editor.set_volume(ct_like())
     with qtbot.waitExposed(editor):
         editor.show()
-    qtbot.waitUntil(lambda: editor.counter.is_done, timeout=30000)
+    qtbot.waitUntil(lambda: editor.counter.is_done, timeout=120000)
     editor.plot.set_fine_opacity(False)
     editor.plot.setFocus()
     yield editor

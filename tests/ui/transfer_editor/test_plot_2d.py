@@ -16,7 +16,7 @@ def plane(editor, store, qtbot):
     editor.set_two_dimensional_available(True)
     editor.dimensions.two_button.click()
     qtbot.waitUntil(
-        lambda: editor.joint.histogram is not None and editor.joint.histogram.done == 1.0, timeout=30000
+        lambda: editor.joint.histogram is not None and editor.joint.histogram.done == 1.0, timeout=120000
     )
     plot = editor.gradient_plot
     top = plot.top
@@ -66,7 +66,7 @@ def test_switching_is_an_edit_that_undo_takes_back(editor, store, qtbot) -> None
     assert store.scene.layer.transfer_function.by_gradient is None
     assert editor.dimensions.one_button.isChecked()
     qtbot.waitUntil(
-        lambda: editor.joint.histogram is not None and editor.joint.histogram.done == 1.0, timeout=30000
+        lambda: editor.joint.histogram is not None and editor.joint.histogram.done == 1.0, timeout=120000
     )
 
 
