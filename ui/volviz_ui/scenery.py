@@ -91,6 +91,13 @@ class Scenery:
             self._values_shown.SetWidth(0.2)
             self._values_shown.SetBarRatio(0.12)
             self._values_shown.SetLabelFormat("%.3g")
+            for text in (
+                self._values_shown.GetLabelTextProperty(),
+                self._values_shown.GetTitleTextProperty(),
+            ):
+                # surfaces are pale
+                text.SetBackgroundColor(*pv.Color(BOTTOM).float_rgb)
+                text.SetBackgroundOpacity(0.7)
         elif words:
             self._values_shown = _line(words)
         if self._values_shown is not None:

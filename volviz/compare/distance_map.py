@@ -258,13 +258,12 @@ class _Orientation:
         self.is_consistent = len(self.faces) > 0 and not np.any((uses == 2) & (balance != 0))
         if not self.is_consistent:
             return
-        count = np.int64(len(self.vertices))
-        keys = edges[:, 0] * count + edges[:, 1]
-        after = np.roll(self.faces, -1, axis=1)
-        low, high = np.minimum(self.faces, after), np.maximum(self.faces, after)
-        self._edges = np.searchsorted(keys, low * count + high)
+        count = len(self.vertices)
+        starts = np.concatenate([[0], np.cumsum(np.bincount(edges[:, 0], minlength=count))])
+        self._edges = np.empty_like(self.faces)
+        _number_edges(self.faces, starts, edges, self._edges)
         self._normals = np.empty((len(self.faces), 3))
-        self._edge_normals, self._vertex_normals = np.zeros((len(edges), 3)), np.zeros((int(count), 3))
+        self._edge_normals, self._vertex_normals = np.zeros((len(edges), 3)), np.zeros((count, 3))
         _collect_normals(
             self.vertices, self.faces, self._edges, self._normals, self._edge_normals, self._vertex_normals
         )
@@ -280,6 +279,30 @@ class _Orientation:
             len(points),
         )  # fmt: skip
         return signs
+
+
+@compiled
+def _number_edges(faces: Array, starts: Array, edges: Array, numbers: Array) -> None:
+    """The numbers of the three sides of every triangle, of which side i begins at corner i.
+
+    Parameters
+    ----------
+    faces : ndarray of shape (F, 3), int64
+    starts : ndarray of shape (V + 1,), int64
+        Where the edges with each vertex as their lower one begin.
+    edges : ndarray of shape (E, 2), int64
+        In ascending order, see `edge_uses`.
+    numbers : ndarray of shape (F, 3), int64
+        Output.
+    """
+    for f in range(faces.shape[0]):
+        for i in range(3):
+            a, b = faces[f, i], faces[f, (i + 1) % 3]
+            low, high = min(a, b), max(a, b)
+            e = starts[low]
+            while edges[e, 1] != high:
+                e += 1
+            numbers[f, i] = e
 
 
 @compiled
