@@ -63,3 +63,13 @@ def test_a_picture_of_an_earlier_state_is_not_read_for_one_of_the_present() -> N
         assert handle.read_picture().shape == (16, 16, 4)
     finally:
         plotter.close()
+
+
+def test_a_closed_plotter_is_told_in_words() -> None:
+    plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
+    handle = volviz.add_volume(plotter, VOLUME)
+    plotter.show()
+    with pytest.raises(RenderError, match="plotter closed"):
+        handle.read_picture()
+    with pytest.raises(InputError, match="plotter is closed"):
+        volviz.add_volume(plotter, VOLUME)

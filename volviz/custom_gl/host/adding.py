@@ -81,6 +81,8 @@ def add_volume(
         Unknown technique or setting, unusable value.
     """
     info = technique_info(technique)
+    if plotter.render_window is None:
+        raise InputError("the plotter is closed and shows nothing any more; make a new one.")
     if volume is None:
         raise InputError("there is no volume to show: give a volviz.Volume.")
     check_kinds(volume=volume, transfer_function=transfer_function, light=light, clipping=clipping)

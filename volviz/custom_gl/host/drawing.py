@@ -451,8 +451,13 @@ class Drawing:
         Raises
         ------
         RenderError
-            There is no full picture of the present values (the camera may have moved on).
+            There is no full picture of the present values (the camera may have moved on), or no volume any more.
         """
+        if self._removed:
+            raise RenderError(
+                "the volume was removed or its plotter closed; read pictures before, show(auto_close=False) keeps "
+                "a plotter open."
+            )
         picture = self._picture
         if picture is None or picture.level != FULL or picture.key.revision != self._revision:
             raise RenderError(
