@@ -60,7 +60,7 @@ def _matrix(
         for (first, second), row in cells.items()
     ]
     return (
-        f'<div class="wide"><table><thead><tr><th scope="col">techniques</th>{heads}</tr></thead><tbody>'
+        f'<div class="wide matrix"><table><thead><tr><th scope="col">techniques</th>{heads}</tr></thead><tbody>'
         + "\n".join(rows)
         + "</tbody></table></div>"
     )
