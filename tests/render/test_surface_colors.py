@@ -158,6 +158,22 @@ def test_colours_end_with_their_surface_and_stay_with_its_look(ball: volviz.Volu
         assert handle.surface_colors is None
 
 
+@pytest.mark.parametrize("technique", ["vtk_marching_cubes", "vtk_flying_edges"])
+def test_a_mesh_that_vtk_has_cut_keeps_the_colours_of_its_places(ball: volviz.Volume, technique: str) -> None:
+    x, y, z = ball.center
+    cuts = {"crop": (3, 21, 2, 20, 2, 18), "clip_planes": (((x, y, z), (0.6, 0.0, 0.8)),)}
+    pictures = []
+    for each in ("marching_cubes", technique):
+        with shown(ball, each) as (window, handle):
+            handle.update(**cuts)
+            handle.color_surface(along_x(ball, each))
+            pictures.append(picture(window, handle))
+    ours, theirs = pictures
+    both = (ours[..., 3] == 1) & (theirs[..., 3] == 1)
+    assert both.sum() > 300
+    assert np.median(np.abs(ours - theirs)[both]) < 0.01
+
+
 def test_no_colours_are_seen_while_another_surface_is_extracted(
     ball: volviz.Volume, monkeypatch: pytest.MonkeyPatch
 ) -> None:
