@@ -44,12 +44,16 @@ def split(window: MainWindow, wait_for: Wait) -> MainWindow:
     return window
 
 
-def test_two_views_of_the_same_show_the_same_picture(split: MainWindow) -> None:
+def test_two_views_of_the_same_show_the_same_picture_and_follow_one_another(split: MainWindow) -> None:
     left, right = (picture_of(viewport) for viewport in viewports(split))
     assert left.shape == right.shape
     assert np.abs(left - right).max() == 0
     middle = left[left.shape[0] // 2, left.shape[1] // 2]
     assert np.abs(middle - left[4, 4]).max() > 12
+    first, second = viewports(split)
+    before = second.frames
+    drag(first, first.rect().center(), first.rect().center() + QPoint(40, 0), steps=4)
+    assert second.frames - before >= 3
 
 
 def test_a_drag_in_either_view_moves_both_and_they_never_drift(split: MainWindow, wait_for: Wait) -> None:
@@ -66,13 +70,6 @@ def test_a_drag_in_either_view_moves_both_and_they_never_drift(split: MainWindow
     left, right = (picture_of(viewport) for viewport in viewports(split))
     assert np.abs(left - right).max() == 0
     assert split.store.undo_label == split.tr("%1 views").replace("%1", "2")
-
-
-def test_while_one_view_is_dragged_the_other_follows(split: MainWindow) -> None:
-    left, right = viewports(split)
-    before = right.frames
-    drag(left, left.rect().center(), left.rect().center() + QPoint(40, 0), steps=4)
-    assert right.frames - before >= 3
 
 
 def test_keys_and_panel_act_on_the_view_that_was_clicked(split: MainWindow, wait_for: Wait) -> None:

@@ -101,7 +101,9 @@ def test_a_wipe_shows_the_first_view_left_of_the_line_and_the_second_right_of_it
     assert pair.store.undo_label not in (None, pair.tr("Comparison"))
 
 
-def test_the_line_of_a_wipe_can_be_moved_by_keys(pair: MainWindow, wait_for: Wait) -> None:
+def test_the_line_of_a_wipe_can_be_moved_by_keys_and_both_sides_keep_up_with_a_drag(
+    pair: MainWindow, wait_for: Wait
+) -> None:
     enter(pair, "wipe", wait_for)
     divider = pair.views.arrangement.divider
     divider.setFocus()
@@ -114,10 +116,7 @@ def test_the_line_of_a_wipe_can_be_moved_by_keys(pair: MainWindow, wait_for: Wai
     QTest.mouseDClick(divider, Qt.MouseButton.LeftButton)
     QTest.mouseRelease(divider, Qt.MouseButton.LeftButton)
     assert pair.store.scene.comparison.divider == 0.5
-
-
-def test_a_wipe_keeps_up_with_a_drag_on_both_sides(pair: MainWindow, wait_for: Wait) -> None:
-    enter(pair, "wipe", wait_for)
+    wait_for(lambda: is_complete(pair))
     before = [viewport.frames for viewport in viewports(pair)]
     start = QPoint(40, 200)
     drag(viewports(pair)[0], start, start + QPoint(60, 10), steps=5)
