@@ -45,8 +45,7 @@ def bench_tables(source: str) -> None:
     plotter = pyvista.Plotter(off_screen=True, window_size=[64, 64])
     handle = volviz.add_volume(plotter, volume, transfer_function=start)
     plotter.show(auto_close=False, interactive=False)
-    resources, middle = handle._resources, len(start.points) // 2  # noqa: SLF001 - its parts are measured
-    assert resources is not None
+    resources, middle = handle._textures.of(handle._shown), len(start.points) // 2  # noqa: SLF001 - its parts are measured
 
     def changed(i: int) -> volviz.TransferFunction:
         # never twice the same: equal values are not uploaded again
@@ -56,7 +55,7 @@ def bench_tables(source: str) -> None:
         handle.gpu.gl.finish()
 
     handle.window.MakeCurrent()
-    frame = handle._frame(FULL)  # noqa: SLF001
+    frame = handle._frame(FULL, (64, 64))  # noqa: SLF001
 
     def framed(i: int) -> Any:
         frame.transfer_function = changed(i)
