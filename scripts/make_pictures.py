@@ -5,7 +5,7 @@ Without names all of them are drawn into docs/images/. The window's picture need
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -329,5 +329,10 @@ DRAWINGS: dict[str, Callable[[], None]] = {
 }
 
 if __name__ == "__main__":
-    for chosen in sys.argv[1:] or DRAWINGS:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(DRAWINGS))
+    names = parser.parse_args().names
+    if unknown := [name for name in names if name not in DRAWINGS]:
+        parser.error(f"there is no picture called {', '.join(unknown)}; there are {', '.join(DRAWINGS)}")
+    for chosen in names or DRAWINGS:
         DRAWINGS[chosen]()
