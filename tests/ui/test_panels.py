@@ -288,7 +288,9 @@ def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
     monkeypatch.setattr(form_shelf.FormShelf, "builds_ahead", True)
     panel = window.technique_panel
     choose_technique(window.store, "slicing")
-    wait_for(lambda: len(panel.findChildren(SettingsForm)) == len(techniques()))
+    wait_for(
+        lambda: [form.is_whole for form in panel.findChildren(SettingsForm)] == [True] * len(techniques())
+    )
     assert [form for form in panel.findChildren(SettingsForm) if form.isVisible()] == [panel.form]
     assert panel.form.info.id == "slicing"
     # another theme would dress them all: those that nobody sees go, and come back in the next quiet time
@@ -299,6 +301,29 @@ def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
     choose_technique(window.store, "raycast")
     assert panel.form.isVisible()
     panel.shelf.stop()
+
+
+def test_a_form_that_is_still_in_the_making_is_whole_when_it_is_chosen(
+    window: MainWindow, wait_for: Wait, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(form_shelf, "REST_MS", 0)
+    monkeypatch.setattr(form_shelf, "APART_MS", 10)
+    monkeypatch.setattr(form_shelf, "PIECE_SECONDS", 0.0)
+    monkeypatch.setattr(form_shelf.FormShelf, "builds_ahead", True)
+    panel = window.technique_panel
+    choose_technique(window.store, "slicing")
+    begun = []
+
+    def one_is_begun() -> bool:
+        begun[:] = [form for form in panel.findChildren(SettingsForm) if not form.is_whole and form.editors]
+        return bool(begun)
+
+    wait_for(one_is_begun)
+    panel.shelf.stop()
+    choose_technique(window.store, begun[0].info.id)
+    assert panel.form is begun[0]
+    assert panel.form.is_whole
+    assert list(panel.form.editors) == [parameter.name for parameter in panel.form.info.parameters]
 
 
 def test_long_names_and_units_are_shortened_and_make_nothing_wider(window: MainWindow) -> None:

@@ -15,8 +15,10 @@ from volviz_ui.panels.settings_form import SettingsForm
 
 REST_MS = 2500
 """So long nothing must have been asked for before forms are made in advance."""
-APART_MS = 120
-"""Between two of them: each takes some 20 ms of the event loop."""
+APART_MS = 40
+"""Between two pieces of them."""
+PIECE_SECONDS = 0.01
+"""So long, and a row more, a piece takes: a whole form would hold up the event loop for 60 ms."""
 
 
 class FormShelf(QObject):
@@ -25,7 +27,7 @@ class FormShelf(QObject):
     Parameters
     ----------
     make : callable
-        Makes a form, connected and hidden, of a technique for a volume.
+        Makes a form, connected, hidden and still without rows, of a technique for a volume.
     """
 
     builds_ahead = True
@@ -56,10 +58,16 @@ class FormShelf(QObject):
                 delete(other)
 
     def form(self, info: TechniqueInfo) -> SettingsForm:
-        """The form of a technique, made now if there is none."""
-        if info.id not in self._forms or self._forms[info.id].info is not info:
-            self._forms[info.id] = self._make(info, self._volume)
-        return self._forms[info.id]
+        """The form of a technique, with all its rows, made now as far as it is missing."""
+        form = self._begun(info)
+        form.grow()
+        return form
+
+    def _begun(self, info: TechniqueInfo) -> SettingsForm:
+        form = self._forms.get(info.id)
+        if form is None or form.info is not info:
+            form = self._forms[info.id] = self._make(info, self._volume)
+        return form
 
     def rest(self) -> None:
         """Somebody looks at the panel and has just got what was wanted: the others may follow."""
@@ -71,8 +79,12 @@ class FormShelf(QObject):
         self._timer.stop()
 
     def _make_next(self) -> None:
-        missing = next((info for ident, info in techniques().items() if ident not in self._forms), None)
+        missing = next((info for info in techniques().values() if not self._is_made(info)), None)
         if missing is not None:
             if QApplication.mouseButtons() == Qt.MouseButton.NoButton:
-                self.form(missing)
+                self._begun(missing).grow(PIECE_SECONDS)
             self._timer.start(APART_MS)
+
+    def _is_made(self, info: TechniqueInfo) -> bool:
+        form = self._forms.get(info.id)
+        return form is not None and form.is_whole

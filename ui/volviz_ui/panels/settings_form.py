@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -31,6 +33,8 @@ class SettingsForm(QWidget):
         Takes the name of a group, says whether it starts unfolded.
     volume : Volume or None
         Its range and unit stand in for those of settings that are measured in data units.
+
+    It is made without rows; they come by `grow`.
     """
 
     setting_changed = Signal(str, object)
@@ -54,8 +58,22 @@ class SettingsForm(QWidget):
         self._column.setContentsMargins(0, 0, 0, 0)
         self._column.setSpacing(4)
         self._parameters = parameters_for(info, volume)
-        for parameter in self._parameters:
-            self._add(parameter, is_open)
+        self._is_open = is_open
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all rows are there."""
+        return len(self.editors) == len(self._parameters)
+
+    def grow(self, seconds: float = math.inf) -> None:
+        """Add rows that are missing, at least one, for about so long."""
+        if self.is_whole:
+            return
+        begin = time.perf_counter()
+        for parameter in self._parameters[len(self.editors) :]:
+            self._add(parameter, self._is_open)
+            if time.perf_counter() - begin > seconds:
+                break
         machinery = self.sections.get(self._machinery())
         if machinery is not None:
             self._column.removeWidget(machinery)
