@@ -27,12 +27,15 @@ from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
 from volviz.custom_gl.technique import Frame
 from volviz.errors import RenderError
 
+#: A turn of an event loop may be held up so long by a full picture.
+TURN_SECONDS = 0.03
 #: Size of the tiles in which techniques draw pixel by pixel: several bins of a software rasteriser, so that
 #: all of its threads have work, and short enough to be interrupted.
 TILE = (256, 64)
-#: The same where a large one is expected to take longer than this many seconds.
-SMALL_TILE = (128, 64)
-CHUNK_SECONDS = 0.012
+#: The same from the largest to the smallest: one is taken whose tiles are expected to take no longer than this
+#: part of a turn. Every piece has an end at which threads wait for one another: larger ones cost less in all.
+TILES = ((512, 128), TILE, (128, 64))
+PART_OF_TURN = 0.6
 #: Seconds of upload within a frame, so that a gesture that begins too early does not stay blind.
 UPLOAD_SECONDS = 0.03
 #: Pictures that are not interrupted are drawn in one piece.
@@ -159,7 +162,7 @@ class Drawing:
 
     # ------------------------------------------------------------------ at rest
 
-    def refine(self, budget: float = 0.03) -> bool:
+    def refine(self, budget: float = TURN_SECONDS) -> bool:
         """Draw further chunks of the full picture for about `budget` seconds.
 
         Returns
@@ -194,7 +197,7 @@ class Drawing:
         if self._picture is not None and self._picture.key == key and self._picture.level == FULL:
             return self._refine_further(key, self._picture.target, budget)
         if self._refinement is None or self._refinement.key != key:
-            frame = self._frame(FULL, self._tile())
+            frame = self._frame(FULL, self._tile(budget))
             chunks = self._runner.plan(self._shown.info, frame)
             if not chunks:
                 self._report_waiting()
@@ -213,14 +216,17 @@ class Drawing:
         self._report(FrameStatus(1.0, work.seconds, True, 1.0, gpu_seconds=work.gpu_seconds))
         return True
 
-    def _tile(self) -> tuple[int, int]:
+    def _tile(self, budget: float) -> tuple[int, int]:
         """Size of the tiles of a full picture: smaller ones where large ones would hold up the event loop."""
         expected = self._cost.full_seconds
         if expected is None:
             return TILE
         width, height, _, _ = self.view.rectangle()
-        tiles = -(-width // TILE[0]) * -(-height // TILE[1])
-        return TILE if expected <= CHUNK_SECONDS * tiles else SMALL_TILE
+        for tile in TILES:
+            tiles = -(-width // tile[0]) * -(-height // tile[1])
+            if expected <= PART_OF_TURN * budget * tiles:
+                return tile
+        return TILES[-1]
 
     def _refine_further(self, key: PictureKey, first: Target, budget: float) -> bool:
         """Draw pictures that follow the full one; only the window that has shown that one asks for them."""
@@ -246,7 +252,7 @@ class Drawing:
 
     def jittered_frame(self, sequence: int) -> Frame:
         """The frame of a picture that follows the full one, a little beside it, into a target of its own."""
-        return self._frame(FULL, self._tile(), sequence)
+        return self._frame(FULL, self._tile(TURN_SECONDS), sequence)
 
     def plan_chunks(self, frame: Frame) -> int:
         """Into how many chunks the technique divides a frame."""
