@@ -34,7 +34,7 @@ TURN_SECONDS = 0.03
 TILE = (256, 64)
 #: The same from the largest to the smallest: one is taken whose tiles are expected to take no longer than this
 #: part of a turn. Every piece has an end at which threads wait for one another: larger ones cost less in all.
-TILES = ((512, 128), TILE, (128, 64))
+TILES = ((512, 128), (512, 64), TILE, (128, 64))
 PART_OF_TURN = 0.6
 #: Seconds of upload within a frame, so that a gesture that begins too early does not stay blind.
 UPLOAD_SECONDS = 0.03
