@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 import volviz
+from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.registry import technique
 from volviz.kernels.reference import Shading, reference_render
 from volviz.model.transfer_function import table_size
@@ -72,6 +75,26 @@ def inside(of: volviz.Volume) -> volviz.Camera:
     """A camera in the middle of a volume."""
     x, y, z = of.center
     return volviz.Camera((x, y, z), (x + 3.0, y + 7.0, z + 2.0), (0.0, 0.0, 1.0), view_angle=60.0)
+
+
+@contextmanager
+def shown(
+    of: volviz.Volume, technique_id: str, size: tuple[int, int], **values: Any
+) -> Iterator[tuple[Any, Any]]:
+    """An off-screen window that shows a volume, and its handle; both are taken down at the end."""
+    window = pyvista.Plotter(off_screen=True, window_size=size)
+    window.render_window.SetMultiSamples(0)
+    handle = None
+    try:
+        handle = volviz.add_volume(window, of, technique_id, **values)
+        apply_camera(window.camera, camera(of))
+        window.reset_camera_clipping_range()
+        window.show(auto_close=False, interactive=False)
+        yield window, handle
+    finally:
+        if handle is not None:
+            handle.remove()
+        window.close()
 
 
 def matrices(of: volviz.Volume, view: volviz.Camera, size: tuple[int, int]) -> tuple[Any, Any]:

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 import pyvista
 
-import volviz
-from tests.render.scenes import camera, function, volume
-from volviz.offscreen import apply_camera
+from tests.render.scenes import function, shown, volume
 
 SIZE = (88, 72)
 
@@ -18,14 +16,9 @@ SIZE = (88, 72)
 def drawn(technique: str, values: dict[str, Any]) -> dict[bool, tuple[Any, list[Any]]]:
     """Picture and programs, without and with carried uniforms, of a cut volume with a mesh in it."""
     of = volume(np.float32, spacing=(1.0, 1.2, 0.9))
-    window = pyvista.Plotter(off_screen=True, window_size=SIZE)
-    handle = None
-    try:
+    with shown(of, technique, SIZE, transfer_function=function(of), **values) as (window, handle):
         window.add_mesh(pyvista.Sphere(radius=3.0, center=of.center), color="white")
-        handle = volviz.add_volume(window, of, technique, transfer_function=function(of), **values)
         handle.update(clip_planes=[(of.center, (-0.6, -0.3, 0.7))])
-        apply_camera(window.camera, camera(of))
-        window.show(auto_close=False, interactive=False)
         found = {}
         for carries in (False, True):
             handle.gpu.programs.carries_uniforms = carries
@@ -35,10 +28,6 @@ def drawn(technique: str, values: dict[str, Any]) -> dict[bool, tuple[Any, list[
             handle.raise_error()
             found[carries] = handle.read_picture(), list(handle.gpu.programs.all)
         return found
-    finally:
-        if handle is not None:
-            handle.remove()
-        window.close()
 
 
 @pytest.mark.parametrize(

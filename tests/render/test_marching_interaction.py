@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import blobs, camera
+from tests.render import scenes
+from tests.render.scenes import blobs
 from volviz.custom_gl.host.pacing import BUDGET, FULL, CostModel, Level
-from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.mesh_drawing import blocks, store, technique
 from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish
 from volviz.errors import RenderError
 from volviz.kernels import marching
 from volviz.kernels.marching import marching_cubes
-from volviz.offscreen import apply_camera
 
 SIZE = (160, 120)
 
@@ -52,22 +49,9 @@ class SlowExtraction:
         return marching_cubes(scalars, isovalue, **options)
 
 
-@contextmanager
-def shown(of: volviz.Volume, pacer: Any = None, **values: Any) -> Iterator[tuple[Any, Any]]:
+def shown(of: volviz.Volume, pacer: Any = None, **values: Any) -> Any:
     """A window that shows a mesh, and its handle."""
-    window = pyvista.Plotter(off_screen=True, window_size=SIZE)
-    window.render_window.SetMultiSamples(0)
-    handle = None
-    try:
-        handle = volviz.add_volume(window, of, "marching_cubes", pacer=pacer, **values)
-        apply_camera(window.camera, camera(of))
-        window.reset_camera_clipping_range()
-        window.show(auto_close=False, interactive=False)
-        yield window, handle
-    finally:
-        if handle is not None:
-            handle.remove()
-        window.close()
+    return scenes.shown(of, "marching_cubes", SIZE, pacer=pacer, **values)
 
 
 def field() -> volviz.Volume:

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import LEFT_HANDED, blobs, camera, psnr
+from tests.render import scenes
+from tests.render.scenes import LEFT_HANDED, blobs, psnr
 from tests.render.test_marching_interaction import Pacer, SlowExtraction, complete
 from volviz.compare.distance_colors import distance_colors, distance_table
 from volviz.compare.distance_map import distance_maps
 from volviz.compare.meshes import side_mesh
 from volviz.custom_gl.host.pacing import FULL
-from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.mesh_drawing import technique as mesh_technique
 from volviz.custom_gl.vtk_props import surfaces
 from volviz.errors import InputError
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
-from volviz.offscreen import apply_camera
 
 SIZE = (120, 90)
 COLORED = [ident for ident, info in volviz.techniques().items() if info.colors_surface]
@@ -36,22 +33,10 @@ def ball() -> volviz.Volume:
     return volviz.Volume((20 - np.sqrt(x**2 + y**2 + z**2)).astype(np.float32), spacing=(1.0, 1.2, 0.9))
 
 
-@contextmanager
-def shown(of: volviz.Volume, technique: str, pacer: Any = None) -> Iterator[tuple[Any, Any]]:
-    window = pyvista.Plotter(off_screen=True, window_size=SIZE)
-    window.render_window.SetMultiSamples(0)
-    handle = None
-    try:
-        own = {"isovalue": 12.03} if technique in COLORED else {}
-        handle = volviz.add_volume(window, of, technique, pacer=pacer, **own)
-        apply_camera(window.camera, camera(of))
-        window.reset_camera_clipping_range()
-        window.show(auto_close=False, interactive=False)
-        yield window, handle
-    finally:
-        if handle is not None:
-            handle.remove()
-        window.close()
+def shown(of: volviz.Volume, technique: str, pacer: Any = None) -> Any:
+    """A window that shows a volume, and its handle."""
+    own = {"isovalue": 12.03} if technique in COLORED else {}
+    return scenes.shown(of, technique, SIZE, pacer=pacer, **own)
 
 
 def picture(window: Any, handle: Any) -> Any:

@@ -15,8 +15,8 @@ BUDGET_SECONDS = 0.1
 class FrameTiming(QObject):
     """Draws the full pictures of two views several times over and adds up what their pieces and VTK's frame take.
 
-    The sum is what one frame at full quality takes by a clock outside: the picture, VTK's own part, and the wait for
-    OpenGL.
+    The sum stands for one frame at full quality: the picture, VTK's own part, and the wait for OpenGL. A picture in
+    several pieces takes somewhat longer than a clock outside would say of it in one.
     Where OpenGL runs on hardware, its own clock is read beside ours.
     The picture that is shown stays; a drag or a change of the scene ends the measurement.
     """

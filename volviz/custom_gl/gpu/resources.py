@@ -317,12 +317,12 @@ class VolumeResources:
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
         scale, _ = self.texels.index_to_texture
-        z, y, x = self.volume.array.shape
+        bricks = [-(-n // BRICK) for n in self.volume.dimensions]
         return {
             "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
             "u_brick_offset": (-0.5 / BRICK,) * 3,
-            "u_last_brick": tuple(float((n - 1) // BRICK) for n in (x, y, z)),
-            "u_brick_edge": tuple(1.0 / ((n - 1) // BRICK + 1) for n in (x, y, z)),
+            "u_last_brick": tuple(n - 1.0 for n in bricks),
+            "u_brick_edge": tuple(1.0 / n for n in bricks),
         }
 
     def _cached(self, cache: dict[str, tuple[Any, Any]], slot: str, key: Any, make: Any) -> Any:
