@@ -18,8 +18,9 @@ from volviz.commands.compare import add_commands, sides_of, technique_and_values
 from volviz.commands.inputs import hints_of
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
+from volviz.model.layers import ImageLayer, VolumeRef
 from volviz.model.light import Light
-from volviz.model.scene import Layer, Scene, View, VolumeRef
+from volviz.model.scene import Scene, View
 from volviz.model.tf_formats import write_transfer_function
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -37,7 +38,7 @@ def scene_of(views: tuple[View, ...], camera: Camera) -> Scene:
     function = TransferFunction.from_points([(10.0, (1, 0, 0, 0)), (200.0, (1, 1, 0, 0.7))])
     ref = VolumeRef("brain.raw", (("dims", (16, 16, 16)), ("dtype", "uint8")))
     return Scene(
-        (Layer(ref, function),),
+        (ImageLayer(ref, function),),
         Light(headlight=False, position=(1.5, -80.25, 7.0), color=(1.0, 0.5, 0.25)),
         Clipping((1.0, 12.0, 0.0, 15.0, 2.0, 14.0), (((1.0, 2.0, 3.0), (0.0, 0.6, 0.8)),)),
         (0.0, 0.2, 1.0),

@@ -12,7 +12,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import drag, is_complete, picture
-from volviz.model.scene import Layer, Scene, VolumeRef
+from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.scene import Scene
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
 from volviz_ui.main_window import MainWindow
@@ -113,9 +114,9 @@ def test_the_copied_script_draws_the_regions(ball_file: str) -> None:
     curve = TransferFunction.from_points([(0.0, (0, 0, 0, 0)), (200.0, (1, 1, 1, 1))])
     for by_gradient in (regions, TransferFunction2D()):
         function = replace(curve, by_gradient=by_gradient)
-        script = script_of(Scene(layers=(Layer(VolumeRef(ball_file), function),)), (64, 48))
+        script = script_of(Scene(layers=(ImageLayer(VolumeRef(ball_file), function),)), (64, 48))
         scope: dict[str, Any] = {}
         exec(script.partition("picture = ")[0], scope)
         assert scope["transfer_function"] == function
     off = replace(curve, by_gradient=replace(regions, enabled=False))
-    assert "Region" not in script_of(Scene(layers=(Layer(VolumeRef(ball_file), off),)), (64, 48))
+    assert "Region" not in script_of(Scene(layers=(ImageLayer(VolumeRef(ball_file), off),)), (64, 48))

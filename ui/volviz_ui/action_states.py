@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject
 
-from volviz.model.scene import Store
+from volviz.model.store import Store
 from volviz_ui.actions import Actions
 from volviz_ui.binding import show_value
 from volviz_ui.surface import Surface, shows_mesh

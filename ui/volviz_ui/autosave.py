@@ -9,8 +9,9 @@ from pathlib import Path
 from PySide6.QtCore import QObject, QTimer
 
 from volviz.errors import VolvizError
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
 from volviz.model.session import save_session
+from volviz.model.store import Store
 
 DELAY_MS = 5000
 """Changes within this time are written together."""

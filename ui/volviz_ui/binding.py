@@ -13,7 +13,8 @@ from typing import Any, TypeVar
 from PySide6.QtCore import QObject, QSignalBlocker, SignalInstance
 from shiboken6 import isValid
 
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 
 Value = TypeVar("Value")
 

@@ -14,7 +14,8 @@ from volviz.custom_gl.technique import drawn_function
 from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.light import default_position
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.camera_moves import light_moved, light_turned
 from volviz_ui.documents import Documents

@@ -12,7 +12,9 @@ from PySide6.QtCore import QObject, Signal
 
 from volviz.custom_gl.gpu.scalars import bricks_of
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.scene import Layer, Scene, Store, VolumeRef
+from volviz.model.layers import ImageLayer, LabelLayer, VolumeRef
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz_ui.volume_cache import VolumeCache, content_id
@@ -55,7 +57,7 @@ class Documents(QObject):
         self._workers = workers
         self.cache = VolumeCache()
         self._volume: Volume | None = None
-        self._shown: tuple[Layer, ...] = ()
+        self._shown: tuple[ImageLayer | LabelLayer, ...] = ()
         self._awaited: VolumeRef | None = None
         self._task: Task | None = None
         self._way_back: Callable[[], bool] | None = None
@@ -246,7 +248,7 @@ def scene_with(scene: Scene, opened: Opened) -> Scene:
     """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
     if opened.scene is not None:
         return opened.scene
-    layer = Layer(opened.ref, opened.transfer_function, opened.volume.name)
+    layer = ImageLayer(opened.ref, opened.transfer_function, opened.volume.name)
     views = tuple(replace(view, camera=None) for view in scene.views)
     clipping = replace(scene.clipping, crop=None, planes=())
     light = replace(scene.light, position=None)

@@ -7,7 +7,8 @@ from typing import Any
 from PySide6.QtCore import QObject
 
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.panels.technique import change_setting

@@ -11,7 +11,8 @@ from PySide6.QtWidgets import QMainWindow
 
 from volviz.custom_gl.technique import regions_unused
 from volviz.kernels.warm_up import warm_up
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.action_states import ActionStates
 from volviz_ui.actions import Actions

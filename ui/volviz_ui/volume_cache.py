@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from pathlib import Path
 
-from volviz.model.scene import VolumeRef
+from volviz.model.layers import VolumeRef
 from volviz.model.volume import Volume
 
 DEFAULT_BUDGET = 1 << 30

@@ -17,9 +17,10 @@ from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.comparison import MOST_VIEWS, Comparison
+from volviz.model.layers import ImageLayer, VolumeRef
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of
-from volviz.model.scene import Layer, Scene, View, VolumeRef
+from volviz.model.scene import Scene, View
 from volviz.model.transfer_function import TransferFunction
 
 #: Version that this program writes.
@@ -46,7 +47,7 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
     return {
         "kind": KIND,
         "version": VERSION,
-        "layers": [_layer_to_dict(layer, folder) for layer in scene.layers],
+        "layers": [_layer_to_dict(layer, folder) for layer in scene.layers if isinstance(layer, ImageLayer)],
         "light": dataclasses.asdict(scene.light),
         "clipping": dataclasses.asdict(scene.clipping),
         "background": scene.background,
@@ -131,7 +132,7 @@ def load_session(path: str | os.PathLike[str], settings_of: SettingsOf) -> Scene
     return scene_from_dict(data, settings_of, source.absolute().parent)
 
 
-def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
+def _layer_to_dict(layer: ImageLayer, folder: Path | None) -> dict[str, Any]:
     ref = layer.volume
     volume: dict[str, Any] = {"source": ref.source, "hints": dict(ref.hints), "content_id": ref.content_id}
     if folder is not None and Path(ref.source).is_absolute():
@@ -139,7 +140,7 @@ def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
             volume["relative"] = Path(os.path.relpath(ref.source, folder)).as_posix()
     return {
         "volume": volume,
-        "transfer_function": layer.transfer_function.to_dict(),
+        "transfer_function": None if layer.transfer_function is None else layer.transfer_function.to_dict(),
         "name": layer.name,
         "visible": layer.visible,
         "channel": layer.channel,
@@ -185,7 +186,7 @@ def _comparison(data: Mapping[str, Any]) -> Comparison:
     return Comparison(**values)
 
 
-def _layer(data: dict[str, Any], folder: Path | None) -> Layer:
+def _layer(data: dict[str, Any], folder: Path | None) -> ImageLayer:
     volume = data["volume"]
     source = str(volume["source"])
     if folder is not None and "relative" in volume:
@@ -193,9 +194,9 @@ def _layer(data: dict[str, Any], folder: Path | None) -> Layer:
         if beside.exists():
             source = str(beside)
     hints = tuple((str(k), tuple(v) if isinstance(v, list) else v) for k, v in volume["hints"].items())
-    return Layer(
+    return ImageLayer(
         VolumeRef(source, hints, str(volume["content_id"])),
-        TransferFunction.from_dict(data["transfer_function"]),
+        None if data["transfer_function"] is None else TransferFunction.from_dict(data["transfer_function"]),
         str(data["name"]),
         bool(data["visible"]),
         int(data["channel"]),

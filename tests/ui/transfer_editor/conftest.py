@@ -10,8 +10,10 @@ from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
+from volviz.model.layers import ImageLayer, VolumeRef
 from volviz.model.own_presets import OwnPresets
-from volviz.model.scene import Layer, Scene, Store, VolumeRef
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz_ui.transfer_editor import TransferEditor
@@ -39,7 +41,7 @@ def ct_like() -> Volume:
 
 @pytest.fixture
 def store() -> Store:
-    return Store(Scene(layers=(Layer(VolumeRef("array:1"), start_function()),)))
+    return Store(Scene(layers=(ImageLayer(VolumeRef("array:1"), start_function()),)))
 
 
 @pytest.fixture

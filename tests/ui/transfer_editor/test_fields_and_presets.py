@@ -13,8 +13,10 @@ from PySide6.QtWidgets import QColorDialog
 
 from tests.ui.transfer_editor.conftest import ct_like, start_function
 from volviz.errors import VolvizError
+from volviz.model.layers import ImageLayer, VolumeRef
 from volviz.model.presets import preset, preset_for, presets
-from volviz.model.scene import Layer, Scene, Store, VolumeRef
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz_ui.transfer_editor import TransferEditor
@@ -286,7 +288,7 @@ def test_a_drag_in_the_viewport_shifts_and_stretches_as_one_step(editor, store) 
 
 def test_a_relative_function_is_shown_in_data_units_and_stored_so_when_edited(qtbot, tmp_path) -> None:
     relative = TransferFunction.from_points([(0, (0, 0, 0, 0)), (1, (1, 1, 1, 1))], domain="relative")
-    store = Store(Scene(layers=(Layer(VolumeRef("array:1"), relative),)))
+    store = Store(Scene(layers=(ImageLayer(VolumeRef("array:1"), relative),)))
     editor = TransferEditor(store)
     qtbot.addWidget(editor)
     editor.set_volume(ct_like())

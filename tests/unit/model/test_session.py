@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from volviz.errors import LoadError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
+from volviz.model.layers import ImageLayer, VolumeRef
 from volviz.model.light import Light
 from volviz.model.parameters import parameter
-from volviz.model.scene import Layer, Scene, View, VolumeRef
+from volviz.model.scene import Scene, View
 from volviz.model.session import (
     VERSION,
     load_session,
@@ -63,7 +64,7 @@ settings = st.builds(
 scenes = st.builds(
     Scene,
     layers=st.builds(
-        Layer,
+        ImageLayer,
         volume=st.builds(
             VolumeRef,
             source=st.just("sample:engine"),
@@ -92,7 +93,7 @@ def test_a_scene_survives_json(scene: Scene) -> None:
 
 
 def a_scene(source: str) -> Scene:
-    return Scene(layers=(Layer(VolumeRef(source), TransferFunction.from_points([(0, (1, 0, 0, 0.5))])),))
+    return Scene(layers=(ImageLayer(VolumeRef(source), TransferFunction.from_points([(0, (1, 0, 0, 0.5))])),))
 
 
 def test_a_session_moved_together_with_its_data_finds_them(tmp_path: Path) -> None:

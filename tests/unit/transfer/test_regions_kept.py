@@ -10,9 +10,10 @@ import pytest
 
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import drawn_function, regions_unused
+from volviz.model.layers import ImageLayer, VolumeRef
 from volviz.model.own_presets import OwnPresets
 from volviz.model.presets import Preset, preset_for
-from volviz.model.scene import Layer, Scene, VolumeRef
+from volviz.model.scene import Scene
 from volviz.model.session import scene_from_dict, scene_to_dict
 from volviz.model.tf_formats import read_preset_file, read_transfer_function, write_transfer_function
 from volviz.model.transfer_function import TransferFunction
@@ -49,7 +50,7 @@ def test_a_preset_of_the_user_keeps_them_also_when_they_are_switched_off(tmp_pat
 
 
 def test_a_session_keeps_them() -> None:
-    scene = Scene(layers=(Layer(VolumeRef("sample:engine"), FUNCTION),))
+    scene = Scene(layers=(ImageLayer(VolumeRef("sample:engine"), FUNCTION),))
     back = scene_from_dict(scene_to_dict(scene), lambda technique: None)
     assert back.layer is not None
     assert back.layer.transfer_function == FUNCTION

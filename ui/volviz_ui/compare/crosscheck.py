@@ -27,7 +27,8 @@ from PySide6.QtWidgets import (
 )
 
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.dialogs.error import show_error

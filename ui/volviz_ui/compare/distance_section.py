@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QCheckBox, QLabel, QPushButton, QSizePolicy, QWidg
 
 from volviz.compare.distance_colors import DistanceColors
 from volviz.model.comparison import Comparison
-from volviz.model.scene import Store
+from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox

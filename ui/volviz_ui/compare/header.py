@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
 
-from volviz.model.scene import Store
+from volviz.model.store import Store
 from volviz_ui.compare.sides import SideBadge
 from volviz_ui.panels.panel import small_button
 from volviz_ui.panels.technique_box import TechniqueBox

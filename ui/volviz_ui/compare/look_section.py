@@ -8,7 +8,8 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLabel, QWidget
 
 from volviz.model.comparison import LIMITS, PERIODS, Comparison
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.compare.sides import LETTERS, SideBox
 from volviz_ui.editors.number import NumberField

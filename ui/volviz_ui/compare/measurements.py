@@ -7,7 +7,8 @@ from typing import Any
 from PySide6.QtCore import QObject, QTimer
 
 from volviz.errors import Cancelled
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
 from volviz_ui.compare.frame_timing import FrameTiming

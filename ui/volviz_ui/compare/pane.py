@@ -6,7 +6,7 @@ from PySide6.QtCore import QObject, QPoint, QRect
 from PySide6.QtGui import QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QWidget
 
-from volviz.model.scene import Store
+from volviz.model.store import Store
 from volviz_ui.compare.header import ViewHeader
 from volviz_ui.display import AddVolume, Display
 from volviz_ui.documents import Documents

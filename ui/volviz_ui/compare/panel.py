@@ -11,7 +11,7 @@ from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QPushButton, QWidget
 
 from volviz.compare.timing import FrameTimes, ratio
-from volviz.model.scene import Store
+from volviz.model.store import Store
 from volviz_ui.compare.convergence_plot import ConvergencePlot, Curve
 from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figure_table import FigureTable

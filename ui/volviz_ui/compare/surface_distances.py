@@ -11,7 +11,8 @@ from volviz.compare.distance_colors import DistanceColors, distance_colors
 from volviz.compare.distance_map import DistanceMap, distance_maps
 from volviz.errors import InputError
 from volviz.model.comparison import Comparison
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figures import MeshStore, mesh_key

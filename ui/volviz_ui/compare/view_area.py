@@ -12,7 +12,8 @@ from PySide6.QtWidgets import QWidget
 
 from volviz.errors import VolvizError
 from volviz.model.camera import Camera
-from volviz.model.scene import Color, Scene, Store
+from volviz.model.scene import Color, Scene
+from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz_ui.compare.arrangement import Arrangement

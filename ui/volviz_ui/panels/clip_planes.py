@@ -10,7 +10,8 @@ from PySide6.QtCore import QPoint, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
 from volviz.model.clipping import MAX_PLANES, Plane
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import send_value, show_value
 from volviz_ui.editors.number import Scale, SliderField

@@ -10,7 +10,8 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSpinBox, QWidge
 from superqt import QRangeSlider
 
 from volviz.model.clipping import Crop
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import send_value, show_value
 from volviz_ui.theme import is_palette_change

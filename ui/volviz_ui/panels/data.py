@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
-from volviz.model.scene import Store
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.panels.clip_planes import ClipPlanes
 from volviz_ui.panels.crop import CropBox

@@ -11,7 +11,8 @@ from PySide6.QtWidgets import QLabel, QWidget
 from volviz.custom_gl.settings import SharedSettings
 from volviz.model.light import Light, default_position
 from volviz.model.parameters import parameters_of
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import send_value, show_value
 from volviz_ui.editors import Editor, editor_for

@@ -12,7 +12,8 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.parameters import Parameter
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.panels.focus_order import set_focus_order

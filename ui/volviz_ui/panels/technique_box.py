@@ -12,7 +12,8 @@ from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem,
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.light import Light
-from volviz.model.scene import Scene, Store, View
+from volviz.model.scene import Scene, View
+from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.editors.simple import CalmComboBox
 

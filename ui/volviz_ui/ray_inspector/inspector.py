@@ -12,7 +12,8 @@ from PySide6.QtCore import QObject, QPointF, QTimer, Signal
 from volviz.errors import VolvizError
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz.ray_inspection import RayInspection, inspect_ray

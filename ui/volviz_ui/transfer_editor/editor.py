@@ -39,7 +39,7 @@ from volviz_ui.transfer_editor.preset_commands import PresetCommands
 from volviz_ui.transfer_editor.preset_popup import PresetPopup, ThumbnailProvider
 
 if TYPE_CHECKING:
-    from volviz.model.scene import Store
+    from volviz.model.store import Store
     from volviz.model.volume import Volume
 
 

@@ -10,7 +10,8 @@ from PySide6.QtCore import QObject, Signal
 from shiboken6 import isValid
 
 from volviz.model import transfer_edits as edits
-from volviz.model.scene import Scene, Store
+from volviz.model.scene import Scene
+from volviz.model.store import Store
 from volviz.model.transfer_lanes import Lane, merged, split
 
 if TYPE_CHECKING:
