@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.matching import Matching
 from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES
 from volviz.kernels.slices import crop_corners
 from volviz.model.parameters import Cost, Parameter, parameters_of
@@ -72,6 +73,11 @@ class TechniqueInfo:
         Finds what is seen along a ray (`volviz.custom_gl.picking.Sight`); None where the first visible place is meant.
     needs_textures : bool
         Whether an image technique reads `Frame.resources`; those of the kind "prop" never do.
+    matching : Matching
+        How its settings meet those of its counterparts.
+    extraction : str
+        How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
+        it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
     """
 
     id: str
@@ -91,6 +97,8 @@ class TechniqueInfo:
     needs_textures: bool = True
     colors_surface: bool = False
     pick: Callable[[Sight], Picked | None] | None = None
+    matching: Matching = field(default_factory=Matching)
+    extraction: str = ""
 
     @property
     def uses_textures(self) -> bool:
