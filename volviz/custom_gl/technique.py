@@ -281,12 +281,14 @@ class Frame:
         hooks: Mapping[str, str | Path] | None = None,
         *,
         many_vertices: bool = False,
+        table_length: float | None = None,
     ) -> Program:
         """A program with the defines that depend on the frame, ready to draw (see `apply`).
 
         ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at, ``BY_GRADIENT`` when the transfer function
         is one of value and gradient; ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY`` follow the settings of
-        these names and can be overridden. `many_vertices` is True for meshes and splats.
+        these names and can be overridden. `many_vertices` is True for meshes and splats. `table_length` is the length
+        of ray, in unit distances, to which opacities in the table of the transfer function belong; None is one.
         """
         settings = self.settings
         shared: dict[str, object] = {
@@ -299,15 +301,15 @@ class Frame:
         program = self.gpu.programs.get(
             vertex, fragment, shared | dict(defines or {}), hooks, many_vertices=many_vertices
         )
-        self.apply(program)
+        self.apply(program, table_length)
         return program
 
-    def apply(self, program: Program) -> None:
+    def apply(self, program: Program, table_length: float | None = None) -> None:
         """Set every shared uniform that the program has and bind the shared textures to their units."""
         # uniforms stay with the program, bindings do not survive what VTK draws between two chunks
         if program.is_taken_over(self):
             program.set(self.uniforms)
-        self.resources.bind(program, self)
+        self.resources.bind(program, self, table_length)
 
 
 @runtime_checkable
