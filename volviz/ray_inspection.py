@@ -11,10 +11,6 @@ import numpy.typing as npt
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.settings import SamplingSettings
 from volviz.custom_gl.technique import drawn_function
-from volviz.custom_gl.techniques.raycast.settings import RaycastSettings
-from volviz.custom_gl.techniques.reference.settings import ReferenceSettings
-from volviz.custom_gl.techniques.slicing.polygons import EPSILON, wanted_slices
-from volviz.custom_gl.techniques.slicing.settings import SlicingSettings
 from volviz.kernels.preintegration import extinction_sums
 from volviz.kernels.reference_profile import (
     SCALAR_MODES,
@@ -32,7 +28,7 @@ from volviz.kernels.reference_profile import (
     slice_pieces,
 )
 from volviz.kernels.reference_sampling import Shading
-from volviz.kernels.slices import box_distance_range
+from volviz.kernels.slices import crop_corners
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light, default_position
