@@ -19,12 +19,13 @@ from volviz.commands.inputs import hints_of
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, current_technique
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.scene import Scene, View
 from volviz.model.tf_formats import write_transfer_function
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeRef
 from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve, decades
 from volviz_ui.compare.reports import curves_of

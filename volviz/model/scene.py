@@ -104,8 +104,13 @@ class Scene:
         return pair if pair is not None and overlaid else tuple(range(len(self.views)))
 
     def with_layer(self, **changes: Any) -> Scene:
-        """The scene with the first image layer changed; without one, as it is."""
+        """The scene with the first image layer changed; without one, as it is.
+
+        A transfer function takes the place of a colour and window.
+        """
         first = self.layer
+        if changes.get("transfer_function") is not None:
+            changes = {"color": None, "window": None, **changes}
         changed = tuple(replace(each, **changes) if each is first else each for each in self.layers)
         return replace(self, layers=changed)
 
