@@ -13,6 +13,7 @@ from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
+from volviz.model.scene import DEFAULT_TECHNIQUE
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
@@ -24,7 +25,7 @@ MAX_SIZE = 16384
 
 def render(
     volume: Volume,
-    technique: str = "raycast",
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     size: tuple[int, int] = (800, 600),

@@ -151,7 +151,9 @@ class ComparisonRun:
             yield 0.6, f"measuring the mesh of {side.name}"
             results[side.name] = self._with_figures(results[side.name], times.get(side.name))
         pairs = []
-        for first, second in picture_pairs(list(results), [s.name for s in self._sides if technique(s.technique).is_oracle]):
+        for first, second in picture_pairs(
+            list(results), [s.name for s in self._sides if technique(s.technique).is_oracle]
+        ):
             yield 0.7, f"comparing {first} and {second}"
             pairs.append(self._pair(results[first], results[second]))
         orders: list[Convergence] = []

@@ -25,6 +25,7 @@ Float64Array = npt.NDArray[np.float64]
 #: At most so many rays are looked at, evenly over the picture.
 MOST_RAYS = 40_000
 
+
 @dataclass(frozen=True)
 class RaySamples:
     """Samples of the rays that meet the box.

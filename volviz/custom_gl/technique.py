@@ -81,8 +81,8 @@ class TechniqueInfo:
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
     study : callable or None
-        How its convergence on a volume is measured, None where the volume has too few voxels; None where there is nothing
-        in its pictures to refine.
+        Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
+        nothing in its pictures to refine.
     oracle : callable or None
         Draws what it shows with some settings by a float64 oracle, as nearly as that knows it: premultiplied RGBA of
         shape (H, W, 4), row 0 at the top.

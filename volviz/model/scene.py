@@ -14,6 +14,9 @@ from volviz.model.light import Light
 
 Color = tuple[float, float, float]
 
+#: Id of the technique that draws where none is named.
+DEFAULT_TECHNIQUE = "raycast"
+
 
 @dataclass(frozen=True)
 class View:
@@ -29,7 +32,7 @@ class View:
         None until the first picture is framed.
     """
 
-    technique: str = "raycast"
+    technique: str = DEFAULT_TECHNIQUE
     settings: tuple[tuple[str, Any], ...] = ()
     camera: Camera | None = None
 

@@ -15,6 +15,7 @@ from volviz.errors import InputError
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings
+from volviz.model.scene import DEFAULT_TECHNIQUE
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
@@ -34,7 +35,7 @@ def technique_settings(info: TechniqueInfo, values: Mapping[str, Any], *, classi
 def add_volume(
     plotter: Any,
     volume: Volume,
-    technique: str = "raycast",
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     settings: Any = None,

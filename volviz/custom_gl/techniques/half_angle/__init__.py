@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from volviz.custom_gl.techniques.half_angle.study import study
-from volviz.custom_gl.techniques.half_angle.oracle import shadowed_rays
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.half_angle.oracle import shadowed_rays
 from volviz.custom_gl.techniques.half_angle.settings import DISPLAYS, HalfAngleSettings
+from volviz.custom_gl.techniques.half_angle.study import study
 from volviz.custom_gl.techniques.half_angle.technique import HalfAngle
 
 TECHNIQUE = TechniqueInfo(

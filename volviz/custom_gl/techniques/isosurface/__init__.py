@@ -15,9 +15,7 @@ BISECTIONS, REFERENCE_BISECTIONS = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0), 14
 
 def bisections(_volume: Volume) -> Study:
     """Each bisection halves the length within which the surface is known."""
-    return Study(
-        "bisections", BISECTIONS, REFERENCE_BISECTIONS, "length within which the surface is known"
-    )
+    return Study("bisections", BISECTIONS, REFERENCE_BISECTIONS, "length within which the surface is known")
 
 
 TECHNIQUE = TechniqueInfo(

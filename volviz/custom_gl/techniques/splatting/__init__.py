@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from volviz.custom_gl.picking import Picked, Sight, first_visible, on_isovalue
 from volviz.custom_gl.oracles import isosurfaces
+from volviz.custom_gl.picking import Picked, Sight, first_visible, on_isovalue
 from volviz.custom_gl.study import splat_lattices
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.splatting.settings import DISPLAYS, SplattingSettings

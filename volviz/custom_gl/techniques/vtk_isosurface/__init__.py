@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from volviz.custom_gl.picking import Picked, Sight, surface
 from volviz.custom_gl.oracles import isosurfaces
+from volviz.custom_gl.picking import Picked, Sight, surface
 from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.vtk_isosurface.matching import MATCHING

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from volviz.custom_gl.techniques.vtk_shadows.study import study
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.vtk_shadows.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_shadows.settings import VtkShadowsSettings
+from volviz.custom_gl.techniques.vtk_shadows.study import study
 
 
 def _create() -> Any:
