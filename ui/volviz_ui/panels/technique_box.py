@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem,
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.light import Light
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.editors.simple import CalmComboBox
@@ -119,7 +119,7 @@ def choose_technique(store: Store, technique: str, *, view: int | None = None) -
     store.update(chosen, label=info.label)
 
 
-def view_of(scene: Scene, view: int | None) -> View:
+def view_of(scene: Scene, view: int | None) -> SceneView:
     """A view of the scene by its number: the active one for None, the last one when there are not so many."""
     return scene.view if view is None else scene.views[min(view, len(scene.views) - 1)]
 
