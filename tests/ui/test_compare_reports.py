@@ -16,19 +16,20 @@ from PySide6.QtTest import QTest
 from tests.ui.conftest import is_complete
 from volviz.commands.compare import add_commands, sides_of, technique_and_values, view_of
 from volviz.commands.inputs import hints_of
+from volviz.custom_gl.scene_techniques import choose_technique, current_settings, current_technique
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.scene import Scene, SceneView
 from volviz.model.tf_formats import write_transfer_function
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeRef
 from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve, decades
 from volviz_ui.compare.reports import curves_of
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique, current_settings, current_technique
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")

@@ -17,15 +17,16 @@ from volviz.custom_gl.technique import TechniqueInfo, drawn_function, surface_se
 from volviz.errors import InputError
 from volviz.kernels.slices import crop_corners
 from volviz.model.clipping import Clipping, Crop
-from volviz.model.layers import ImageLayer, LabelLayer, VolumeRef
+from volviz.model.layers import ImageLayer, LabelLayer, volume_of
 from volviz.model.light import Light, default_position
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeKey
 
 Vector = tuple[float, float, float]
-Volumes = Mapping[VolumeRef, Volume]
+Volumes = Mapping[VolumeKey, Volume]
 
 #: What each value of a spec must be an instance of, and how to come by one.
 _KINDS: dict[str, tuple[type[Any], str]] = {
@@ -149,8 +150,8 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
     ----------
     spec : RenderSpec
         What is to be drawn.
-    volumes : mapping of VolumeRef to Volume, optional
-        The volumes that its layers refer to; layers may also hold theirs.
+    volumes : mapping of VolumeKey to Volume, optional
+        What has been read of the references in its layers (`volviz.model.layers.volume_of`).
 
     Raises
     ------
@@ -158,7 +159,7 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
         A value of the wrong kind, a crop box that leaves nothing, or layers that no technique draws yet.
     """
     layer = drawn_layer(spec)
-    volume = layer_volume(layer, volumes)
+    volume = volume_of(layer, volumes or {})
     check_kinds(transfer_function=layer.transfer_function, light=spec.light, clipping=spec.clipping)
     info = technique_info(spec.technique)
     settings = settings_of(spec)
@@ -247,25 +248,6 @@ def drawn_layer(spec: RenderSpec) -> ImageLayer:
             "a transform of a layer cannot be drawn yet; give its volume another origin, spacing and direction."
         )
     return layer
-
-
-def layer_volume(layer: ImageLayer | LabelLayer, volumes: Volumes | None = None) -> Volume:
-    """The data of a layer.
-
-    Raises
-    ------
-    InputError
-        It refers to a volume that was not given, or holds something else.
-    """
-    volume: Any = layer.volume
-    if isinstance(volume, VolumeRef):
-        if volumes is None or volume not in volumes:
-            raise InputError(
-                f"the volume {volume.source} was not given; load it and give it beside the layers."
-            )
-        volume = volumes[volume]
-    check_kinds(volume=volume)
-    return volume  # type: ignore[no-any-return]
 
 
 def layer_function(layer: ImageLayer, volume: Volume) -> TransferFunction:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.matching import Matching
 from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES, CommonSettings, common_settings
 from volviz.kernels.slices import crop_corners
 from volviz.model.auto_isovalue import auto_isovalue
@@ -76,6 +77,11 @@ class TechniqueInfo:
     isovalue_setting : str
         Name of the setting that holds the isovalue, or the isovalues, of the surfaces that it shows, in data units and
         None for automatic; empty for techniques that show none.
+    matching : Matching
+        How its settings meet those of its counterparts.
+    extraction : str
+        How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
+        it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
     """
 
     id: str
@@ -96,6 +102,8 @@ class TechniqueInfo:
     colors_surface: bool = False
     pick: Callable[[Sight], Picked | None] | None = None
     isovalue_setting: str = ""
+    matching: Matching = field(default_factory=Matching)
+    extraction: str = ""
 
     @property
     def uses_textures(self) -> bool:
@@ -303,12 +311,14 @@ class Frame:
         hooks: Mapping[str, str | Path] | None = None,
         *,
         many_vertices: bool = False,
+        table_length: float | None = None,
     ) -> Program:
         """A program with the defines that depend on the frame, ready to draw (see `apply`).
 
         ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at, ``BY_GRADIENT`` when the transfer function
         is one of value and gradient; ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY`` follow the settings of
-        these names and can be overridden. `many_vertices` is True for meshes and splats.
+        these names and can be overridden. `many_vertices` is True for meshes and splats. `table_length` is the length
+        of ray, in unit distances, to which opacities in the table of the transfer function belong; None is one.
         """
         common = self.common
         shared: dict[str, object] = {
@@ -321,15 +331,15 @@ class Frame:
         program = self.gpu.programs.get(
             vertex, fragment, shared | dict(defines or {}), hooks, many_vertices=many_vertices
         )
-        self.apply(program)
+        self.apply(program, table_length)
         return program
 
-    def apply(self, program: Program) -> None:
+    def apply(self, program: Program, table_length: float | None = None) -> None:
         """Set every shared uniform that the program has and bind the shared textures to their units."""
         # uniforms stay with the program, bindings do not survive what VTK draws between two chunks
         if program.is_taken_over(self):
             program.set(self.uniforms)
-        self.resources.bind(program, self)
+        self.resources.bind(program, self, table_length)
 
 
 @runtime_checkable

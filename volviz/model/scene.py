@@ -87,6 +87,10 @@ class Scene:
         """Number of the active view, within those that there are."""
         return min(max(self.active, 0), len(self.views) - 1)
 
+    def view_at(self, index: int | None = None) -> SceneView:
+        """A view by its number: the active one for None, the last one when there are not so many."""
+        return self.view if index is None else self.views[min(index, len(self.views) - 1)]
+
     @property
     def pair(self) -> tuple[int, int] | None:
         """Numbers of the two views that are compared, A and B; None when there is one view only."""
@@ -100,8 +104,13 @@ class Scene:
         return pair if pair is not None and overlaid else tuple(range(len(self.views)))
 
     def with_layer(self, **changes: Any) -> Scene:
-        """The scene with the first image layer changed; without one, as it is."""
+        """The scene with the first image layer changed; without one, as it is.
+
+        A transfer function takes the place of a colour and window.
+        """
         first = self.layer
+        if changes.get("transfer_function") is not None:
+            changes = {"color": None, "window": None, **changes}
         changed = tuple(replace(each, **changes) if each is first else each for each in self.layers)
         return replace(self, layers=changed)
 

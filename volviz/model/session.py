@@ -17,11 +17,12 @@ from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.comparison import MOST_VIEWS, Comparison
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of
 from volviz.model.scene import Scene, SceneView
 from volviz.model.transfer_function import TransferFunction
+from volviz.volume_data.references import VolumeRef
 
 #: Version that this program writes.
 VERSION = 1
@@ -133,7 +134,7 @@ def load_session(path: str | os.PathLike[str], settings_of: SettingsOf) -> Scene
 
 
 def _layer_to_dict(layer: ImageLayer, folder: Path | None) -> dict[str, Any]:
-    ref = layer.volume
+    ref = layer.key.ref
     volume: dict[str, Any] = {"source": ref.source, "hints": dict(ref.hints), "content_id": ref.content_id}
     if folder is not None and Path(ref.source).is_absolute():
         with suppress(ValueError):  # another drive on Windows: there is no way from here to there
@@ -198,9 +199,8 @@ def _layer(data: dict[str, Any], folder: Path | None) -> ImageLayer:
         VolumeRef(source, hints, str(volume["content_id"])),
         None if data["transfer_function"] is None else TransferFunction.from_dict(data["transfer_function"]),
         str(data["name"]),
-        bool(data["visible"]),
-        int(data["channel"]),
-        int(data["time"]),
+        visible=bool(data["visible"]),
+        time=int(data["time"]),
     )
 
 

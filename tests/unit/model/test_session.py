@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from volviz.errors import LoadError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.parameters import parameter
 from volviz.model.scene import Scene, SceneView
@@ -26,6 +26,7 @@ from volviz.model.session import (
     scene_to_dict,
 )
 from volviz.model.transfer_function import TransferFunction
+from volviz.volume_data.references import VolumeRef
 
 
 @dataclass(frozen=True)

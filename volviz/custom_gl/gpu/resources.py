@@ -130,26 +130,27 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ tables
 
-    def table(self, transfer_function: TransferFunction, *, interactive: bool = False) -> Any:
-        """The baked transfer function as a texture (see `tables.Table`), opacities per unit distance."""
-
-        def make() -> Any:
-            return self.gpu.table_texture(self._baked(transfer_function, interactive=interactive).texels)
-
-        key = (transfer_function, interactive and transfer_function.by_gradient is not None)
-        return self._cached(self._tables, "table", key, make)
-
-    def table_per_length(
-        self, transfer_function: TransferFunction, length: float, *, interactive: bool = False
+    def table(
+        self, transfer_function: TransferFunction, *, length: float | None = None, interactive: bool = False
     ) -> Any:
-        """As `table`, with opacities for pieces of ray of that length, in unit distances."""
+        """The baked transfer function as a texture (see `tables.Table`).
+
+        Parameters
+        ----------
+        transfer_function : TransferFunction
+            In data units.
+        length : float, optional
+            Opacities are those of segments of ray of that length, in unit distances; None is one unit distance.
+        interactive : bool, default: False
+            A smaller table where the function is one of value and gradient.
+        """
 
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
-            return self.gpu.table_texture(table.per_length(length))
+            return self.gpu.table_texture(table.texels if length is None else table.per_length(length))
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
-        return self._cached(self._tables, "table per length", key, make)
+        return self._cached(self._tables, "table" if length is None else "table per length", key, make)
 
     def preintegrated(self, transfer_function: TransferFunction, size: int, threshold: float) -> Any:
         """Premultiplied colour and opacity of segments one unit distance long, by their ends' scalars."""
@@ -295,12 +296,12 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ binding
 
-    def bind(self, program: Program, frame: Frame) -> None:
-        """Bind every texture that the program asks for."""
+    def bind(self, program: Program, frame: Frame, table_length: float | None = None) -> None:
+        """Bind every texture that the program asks for; opacities of the table are for that length (see `table`)."""
         units = program.units
         program.use_texture("t_scalars", self.scalars)
         if "t_table" in units:
-            table = self.table(frame.transfer_function, interactive=frame.interactive)
+            table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
             program.use_texture("t_table", table)
         if "t_scene_depth" in units:
             frame.scene_depth.use(units["t_scene_depth"])

@@ -9,7 +9,7 @@ from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.host.handle import VolumeHandle, handles_of
 from volviz.custom_gl.host.pacing import Pacer
 from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.custom_gl.resolve import Volumes, resolve
+from volviz.custom_gl.resolve import Volumes
 from volviz.errors import InputError
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
@@ -81,9 +81,9 @@ def add_spec(
     """Show what a spec says in a plotter; see `add_volume` and `volviz.custom_gl.resolve.resolve`."""
     if plotter.render_window is None:
         raise InputError("the plotter is closed and shows nothing any more; make a new one.")
-    resolved = resolve(spec, volumes)
+    handle = VolumeHandle(plotter, spec, volumes, pacer)
     release_on_close(plotter)
-    return VolumeHandle(plotter, resolved, pacer)
+    return handle
 
 
 def release_on_close(plotter: Any) -> None:

@@ -14,7 +14,7 @@ from volviz.custom_gl.host.drawing import Drawing, drawings_of
 from volviz.custom_gl.host.pacing import Pacer, Quality
 from volviz.custom_gl.host.scene_handles import SceneHandles
 from volviz.custom_gl.picking import Picked, Sight, first_visible
-from volviz.custom_gl.resolve import ResolvedSpec, Volumes, resolve
+from volviz.custom_gl.resolve import Volumes, resolve
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import SettingError
 from volviz.kernels.surface_pick import pixel_ray
@@ -37,9 +37,10 @@ class VolumeHandle(Drawing):
         What can be dragged in the picture, while it is shown (`show_handles`).
     """
 
-    def __init__(self, plotter: Any, shown: ResolvedSpec, pacer: Pacer | None) -> None:
-        super().__init__(plotter.renderer, plotter.render_window, shown, pacer)
+    def __init__(self, plotter: Any, spec: RenderSpec, volumes: Volumes | None, pacer: Pacer | None) -> None:
+        super().__init__(plotter.renderer, plotter.render_window, resolve(spec, volumes), pacer)
         self.plotter = plotter
+        self._volumes = volumes
         self.handles: SceneHandles | None = None
 
     # ------------------------------------------------------------------ values
@@ -131,18 +132,18 @@ class VolumeHandle(Drawing):
         ----------
         spec : RenderSpec
             What to show.
-        volumes : mapping of VolumeRef to Volume, optional
-            What its layers refer to; the volume that is shown already need not be given.
+        volumes : mapping of VolumeKey to Volume, optional
+            What its layers refer to; those that were given last need not be given again.
 
         Raises
         ------
         VolvizError
             A value does not fit; nothing is changed then.
         """
-        known = {layer.volume: self._shown.volume for layer in self._shown.spec.layers if layer.visible}
-        shown = resolve(spec, known | dict(volumes or {}))
+        shown = resolve(spec, self._volumes if volumes is None else volumes)
         if self.error is None and spec == self._shown.spec and shown.volume is self._shown.volume:
             return
+        self._volumes = volumes or self._volumes
         self._show_instead(shown.keeping(self._shown))
 
     def update(

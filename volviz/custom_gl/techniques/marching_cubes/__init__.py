@@ -20,4 +20,5 @@ TECHNIQUE = TechniqueInfo(
     classic=CLASSIC,
     inert={**INERT, "method": "both give the same mesh unless a cell is ambiguous"},
     order=70,
+    extraction="lorensen",
 )

@@ -20,4 +20,5 @@ TECHNIQUE = TechniqueInfo(
     classic=CLASSIC,
     inert=INERT,
     order=75,
+    extraction="tetrahedra",
 )

@@ -6,6 +6,7 @@ from typing import Any
 
 from volviz.custom_gl.picking import on_isovalue
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.vtk_props.matching import MESHES
 from volviz.custom_gl.vtk_props.settings import VtkSurfaceSettings
 
 
@@ -29,4 +30,6 @@ TECHNIQUE = TechniqueInfo(
     counterpart_of=("marching_cubes", "marching_tetrahedra"),
     uses_transfer_function=False,
     order=240,
+    extraction="vtkFlyingEdges3D",
+    matching=MESHES,
 )

@@ -6,6 +6,7 @@ from typing import Any
 
 from volviz.custom_gl.picking import Picked, Sight, surface
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.vtk_isosurface.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_isosurface.settings import VtkIsosurfaceSettings
 
 
@@ -38,4 +39,5 @@ TECHNIQUE = TechniqueInfo(
     counterpart_of=("isosurface",),
     uses_transfer_function=False,
     order=220,
+    matching=MATCHING,
 )
