@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from volviz.model.scene import DEFAULT_TECHNIQUE
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo

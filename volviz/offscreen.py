@@ -13,7 +13,7 @@ from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
-from volviz.model.scene import DEFAULT_TECHNIQUE
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 

@@ -28,10 +28,9 @@ from volviz.kernels.reference_profile import (
 )
 from volviz.kernels.reference_sampling import Shading
 from volviz.kernels.slices import crop_corners
-from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light, default_position
-from volviz.model.scene import DEFAULT_TECHNIQUE
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.transfer_function import table_size
 
 if TYPE_CHECKING:
@@ -184,7 +183,7 @@ def inspect_ray(
         preintegrated=optics.extinction is not None,
         shows_machinery=display not in ("image", "both"),
         reduced=bool(getattr(settings, "mipmaps", False)),
-        crossings=_crossings(volume, lattice, span, settings),
+        crossings=_crossings(volume, lattice, span, info.isovalues(settings, volume)),
     )
 
 
@@ -263,20 +262,19 @@ def _by_value(volume: Volume, function: TransferFunction, integer: bool) -> Clas
     return classify
 
 
-def _crossings(volume: Volume, lattice: Lattice, span: RaySpan, settings: Any) -> tuple[Crossing, ...]:
-    name = next((n for n in ("isovalues", "isovalue") if hasattr(settings, n)), None)
-    if name is None or not span.exit > span.entry:
+def _crossings(
+    volume: Volume, lattice: Lattice, span: RaySpan, isovalues: tuple[float, ...]
+) -> tuple[Crossing, ...]:
+    if not isovalues or not span.exit > span.entry:
         return ()
-    value = getattr(settings, name)
-    wanted = (auto_isovalue(volume),) if value is None else value if isinstance(value, tuple) else (value,)
     count = max(int((span.exit - span.entry) / (CROSSING_STEP * min(volume.spacing))), 1) + 1
     places = np.linspace(span.entry, span.exit, count)
     values = sample(lattice, span.start + places[:, None] * span.direction)
     found = []
-    for isovalue in wanted:
+    for isovalue in isovalues:
         inside = values >= isovalue
         for i in np.flatnonzero(inside[1:] != inside[:-1]).tolist():
             part = (isovalue - values[i]) / (values[i + 1] - values[i])
             distance = places[i] + part * (places[i + 1] - places[i]) - span.entry
-            found.append(Crossing(float(distance), float(isovalue)))
+            found.append(Crossing(float(distance), isovalue))
     return tuple(sorted(found, key=lambda crossing: crossing.distance))

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from volviz.custom_gl.registry import techniques
-from volviz.model.scene import DEFAULT_TECHNIQUE
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 ROOT = Path(__file__).parent.parent.parent
 FOLDERS = ROOT / "volviz" / "custom_gl" / "techniques"
@@ -54,7 +54,8 @@ def sources() -> Iterator[Path]:
 
 def test_ids_and_imports_are_seen() -> None:
     assert ids_named("def f(info):\n    return info.id == 'slicing' or 'not slicing'\n") == {"slicing"}
-    lines = "from volviz.custom_gl.techniques.slicing.settings import A\nfrom volviz.custom_gl.techniques import raycast\n"
+    package = "volviz.custom_gl.techniques"
+    lines = f"from {package}.slicing.settings import A\nfrom {package} import raycast\n"
     assert folders_imported(lines) == {"slicing", "raycast"}
 
 

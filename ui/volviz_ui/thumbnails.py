@@ -13,7 +13,6 @@ from PySide6.QtGui import QImage
 from volviz.custom_gl.oracles import OracleScene
 from volviz.custom_gl.registry import technique
 from volviz.errors import VolvizError
-from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings
 from volviz.model.presets import Preset
@@ -137,13 +136,10 @@ def drawn_with(
     size = (coarse.shape[2], coarse.shape[0])
     projection = np.diag([2 / (width + cell), 2 / (height + cell), -2 / (depth + 2 * cell), 1.0])
     projection[2, 3] = -1.0
-    isovalues = getattr(settings, "isovalues", getattr(settings, "isovalue", ()))
-    if isovalues is None:
-        isovalues = auto_isovalue(volume)
     scene = OracleScene(
         coarse, (cell,) * 3, function, volume.range, volume.mean_spacing,
         max(getattr(settings, "step", 0.5) * min(volume.spacing), 0.5 * cell), view, projection, size,
-        isovalues=isovalues if isinstance(isovalues, tuple) else (isovalues,),
+        isovalues=info.isovalues(settings, volume),
         light=Light(headlight=False, position=(-0.3 * width, -1.5 * depth, height + 0.5 * depth)),
     )  # fmt: skip
     rgba = info.oracle(scene, settings)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from volviz.commands.inputs import add_input, load_input
 from volviz.errors import InputError, VolvizError
-from volviz.model.scene import DEFAULT_TECHNIQUE
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo

@@ -25,11 +25,10 @@ from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.study import STRIDE_CELLS, Study, diagonal, splat_distance
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import InputError
+from volviz.kernels.slices import crop_corners
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.camera import Camera
 from volviz.model.light import default_position
 from volviz.model.volume import Volume
-from volviz.offscreen import apply_camera
 
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
 ROUNDING = 2e-3
@@ -321,33 +320,15 @@ def fitted_line(
 def oracle_scene(view: View, step: float) -> OracleScene:
     """What an oracle draws of a view, with samples a number of voxels of the smallest spacing apart."""
     volume, light = view.volume, view.light
-    modelview, projection = camera_matrices(view.camera, view.size, volume.bounds)
+    corners = crop_corners(volume.index_to_world, None, volume.dimensions)
+    width, height = view.size
+    modelview, projection = view.camera.matrices(width / height, view.camera.clipping_range(corners))
     placed = replace(light, position=light.position or default_position(volume.bounds))
     return OracleScene(
         volume.array, volume.spacing, view.transfer_function, volume.range, volume.mean_spacing,
         step * min(volume.spacing), modelview, projection, view.size, volume.origin, volume.direction,
         light=light if light.headlight else placed, clipping=view.clipping,
     )  # fmt: skip
-
-
-def camera_matrices(
-    camera: Camera, size: tuple[int, int], bounds: tuple[float, ...]
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """View and projection matrix (4, 4) of a camera, as VTK computes them for things within these bounds."""
-    from vtkmodules.vtkRenderingCore import vtkRenderer
-
-    renderer = vtkRenderer()
-    target = renderer.GetActiveCamera()
-    apply_camera(target, camera)
-    renderer.ResetCameraClippingRange(*bounds)
-    matrices = (
-        target.GetModelViewTransformMatrix(),
-        target.GetProjectionTransformMatrix(size[0] / size[1], -1, 1),
-    )
-    view, projection = (
-        np.array([m.GetElement(i, j) for i in range(4) for j in range(4)]).reshape(4, 4) for m in matrices
-    )
-    return view, projection
 
 
 def smaller(view: View, most_pixels: int) -> View:

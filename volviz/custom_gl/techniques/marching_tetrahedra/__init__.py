@@ -17,6 +17,7 @@ TECHNIQUE = TechniqueInfo(
     settings=MarchingTetrahedraSettings,
     create=MarchingTetrahedra,
     pick=on_isovalue,
+    isovalue_setting="isovalue",
     colors_surface=True,
     classic=CLASSIC,
     inert=INERT,

@@ -26,6 +26,7 @@ TECHNIQUE = TechniqueInfo(
     settings=VtkSurfaceSettings,
     create=_create,
     pick=on_isovalue,
+    isovalue_setting="isovalue",
     colors_surface=True,
     kind="prop",
     counterpart_of=("marching_cubes", "marching_tetrahedra"),

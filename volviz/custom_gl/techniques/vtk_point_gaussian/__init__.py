@@ -31,6 +31,7 @@ TECHNIQUE = TechniqueInfo(
     settings=VtkPointGaussianSettings,
     create=_create,
     pick=_pick,
+    isovalue_setting="isovalue",
     kind="prop",
     counterpart_of=("splatting",),
     order=250,
