@@ -23,9 +23,7 @@ OTHER_MEANINGS = {
     "volviz/custom_gl/vtk_props/volumes.py": {"isosurface"},  # a blend mode of VTK's mapper
     "volviz/kernels/marching/__init__.py": {"marching_cubes"},
     "volviz/kernels/marching/extract.py": {"marching_cubes", "marching_tetrahedra"},  # names of methods
-    "volviz/model/scene.py": {
-        DEFAULT_TECHNIQUE
-    },  # the one place that says what draws unless something is named
+    "volviz/model/render_spec.py": {DEFAULT_TECHNIQUE},  # what draws unless a technique is named
 }
 
 
