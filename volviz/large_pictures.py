@@ -91,7 +91,7 @@ class PictureInPieces:
         if self._done == len(self._corners):
             return 1.0
         within = self._handle.status.progress if self._begun else 0.0
-        # 1 is said of the coarse picture too with which each part begins
+        # each tile begins with a coarse image, which is reported as complete (1) although the tile is not
         return (self._done + (within if within < 1.0 else 0.0)) / len(self._corners)
 
     def advance(self, seconds: float = 0.03) -> tuple[Region, npt.NDArray[np.float32]] | None:
