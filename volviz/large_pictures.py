@@ -171,3 +171,6 @@ class _Patience:
 
     def request(self, handle: object) -> None:
         """`PictureInPieces.advance` comes back by itself."""
+
+    def wake(self, handle: object) -> None:
+        """The same holds when work in the background has ended."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from PySide6.QtCore import QObject, Qt, QTimer, Signal
+from PySide6.QtCore import QEventLoop, QObject, Qt, QTimer, Signal
 from PySide6.QtWidgets import QApplication
 
 from volviz.custom_gl.technique import drawn_function
@@ -80,6 +80,7 @@ class Display(QObject):
         self.handle: Any = None
         self.pacer = Pacer(self)
         self.pacer.completed.connect(viewport.render)
+        self.pacer.frame_wanted.connect(viewport.render)
         self.pacer.failed.connect(self._on_failed)
         self._gestures = 0
         self._button_watch = QTimer(self)
@@ -214,7 +215,11 @@ class Display(QObject):
         """Finish the picture now, however long it takes."""
         if self.handle is not None:
             while not self.handle.refine(budget=1.0):
-                pass
+                if self.handle.is_waiting:
+                    QApplication.processEvents(
+                        QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents
+                        | QEventLoop.ProcessEventsFlag.WaitForMoreEvents
+                    )
             self._viewport.repaint()
 
     # ------------------------------------------------------------------ from the scene to the picture
