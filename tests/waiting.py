@@ -6,6 +6,8 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
+from volviz.tasks import THREAD_NAME
+
 if TYPE_CHECKING:
     import pytest
 
@@ -45,3 +47,11 @@ def refuse_to_wait(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setattr(threading.Event, "wait", wait_instead)
     monkeypatch.setattr(time, "sleep", sleep_instead)
     return tried
+
+
+def join_tasks(seconds: float = 120.0) -> None:
+    """Wait until all work in the background has ended, as the program does when it ends."""
+    end = time.monotonic() + seconds
+    for thread in threading.enumerate():
+        if thread.name.startswith(THREAD_NAME):
+            thread.join(max(end - time.monotonic(), 0.0))

@@ -32,7 +32,7 @@ class BackgroundTask(Generic[Result]):
 
     Parameters
     ----------
-    key : hashable
+    key : hashable or None
         What it is for; part of the name of its thread.
     work : callable
         ``work(progress, cancel) -> result``.
@@ -47,7 +47,7 @@ class BackgroundTask(Generic[Result]):
         Whether a thread has taken it up.
     """
 
-    def __init__(self, key: Hashable, work: Work[Result], done: Done | None = None) -> None:
+    def __init__(self, key: Hashable | None, work: Work[Result], done: Done | None = None) -> None:
         self.key = key
         self.done = done
         self.progress = 0.0
@@ -137,14 +137,14 @@ class Tasks:
         _ALL.add(self)
 
     def start(
-        self, key: Hashable, work: Work[Result], done: Done | None = None, *, cancels: bool = True
+        self, key: Hashable | None, work: Work[Result], done: Done | None = None, *, cancels: bool = True
     ) -> BackgroundTask[Result]:
         """Have work done for a key.
 
         Parameters
         ----------
-        key : hashable
-            Purpose. Tasks for the same purpose that have not begun are dropped.
+        key : hashable or None
+            Purpose. Tasks for the same purpose that have not begun are dropped; None stands for none.
         work : callable
             ``work(progress, cancel) -> result``, called on a thread.
         done : callable, optional
@@ -156,7 +156,7 @@ class Tasks:
         task = BackgroundTask(key, work, done or self._done)
         with self._changed:
             for other in (*self._waiting, *self._running):
-                if other.key == key and (cancels or not other.has_begun):
+                if key is not None and other.key == key and (cancels or not other.has_begun):
                     other.cancel()
             self._waiting.append(task)
             if self._closed:
@@ -169,7 +169,7 @@ class Tasks:
         """Take up what may run; the lock is held."""
         for task in list(self._waiting):
             if self._threads is None:
-                blocked = any(other.key == task.key for other in self._running)
+                blocked = task.key is not None and any(other.key == task.key for other in self._running)
             else:
                 blocked = len(self._running) >= self._threads
             if blocked and not task.is_cancelled:
