@@ -11,11 +11,11 @@ from PySide6.QtWidgets import QApplication
 
 from tests.ui.conftest import is_complete, settle
 from tests.waiting import refuse_to_wait
+from volviz.custom_gl.scene_techniques import current_settings
 from volviz.tasks import THREAD_NAME
 from volviz_ui.gui_thread import Delivery
 from volviz_ui.main_window import MainWindow
-from volviz_ui.pacer import Pacer
-from volviz_ui.panels.technique_box import current_settings
+from volviz_ui.views.pacer import Pacer
 
 Wait = Callable[..., None]
 

@@ -26,6 +26,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.scene import Scene
 from volviz.model.store import Store
@@ -34,7 +35,6 @@ from volviz_ui.binding import show_value
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import quiet_label
-from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.workers import Task, Workers
 
@@ -271,8 +271,9 @@ def _shown_surface(scene: Scene) -> tuple[float | None, str]:
     value = getattr(settings, "isovalue", None)
     if value is None:
         value = next(iter(getattr(settings, "isovalues", None) or ()), None)
-    method = "tetrahedra" if current_technique(scene).id == "marching_tetrahedra" else "lorensen"
-    return value, str(getattr(settings, "method", method)) if hasattr(settings, "parts") else "lorensen"
+    info = current_technique(scene)
+    own = info.extraction if info.kind == "image" else ""
+    return value, str(getattr(settings, "method", own)) or "lorensen"
 
 
 def table_rows(report: CrosscheckReport) -> list[tuple[str, list[str]]]:

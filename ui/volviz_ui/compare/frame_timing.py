@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.compare.timing import FrameTimes
-from volviz_ui.display import Display
+from volviz_ui.views.display import Display
 
 ROUNDS = 5
 BUDGET_SECONDS = 0.1
@@ -83,7 +83,7 @@ class FrameTiming(QObject):
             return
         if not self._begun:
             # the same values again: the picture at hand no longer counts as theirs
-            handle.update()
+            handle.invalidate()
             self._begun = True
         done = handle.refine(budget=BUDGET_SECONDS)
         if done and handle.status.complete:

@@ -8,8 +8,8 @@ from typing import Any
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.gpu.scalars import is_prepared, prepare
 from volviz.custom_gl.host.no_textures import NO_TEXTURES, NoTextures
-from volviz.custom_gl.host.shown import Shown
 from volviz.custom_gl.host.window_gpu import WindowGpu
+from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.tasks import Done, LatestResult, Tasks
 
 
@@ -35,13 +35,13 @@ class ShownTextures:
         self._prepared: LatestResult[Any, bool] = LatestResult("scalars", cancels=False)
         self._held: VolumeResources | None = None
 
-    def are_made(self, shown: Shown) -> bool:
+    def are_made(self, shown: ResolvedSpec) -> bool:
         """Whether there are textures for what is shown, or none are needed."""
         if not shown.info.uses_textures:
             return True
         return self._held is not None and self._held.volume is shown.volume
 
-    def can_be_made(self, shown: Shown) -> bool:
+    def can_be_made(self, shown: ResolvedSpec) -> bool:
         """Whether they can be made without computing texels here first; if not, a task begins to compute them."""
         if self.are_made(shown):
             return True
@@ -53,7 +53,7 @@ class ShownTextures:
         )
         return ready is not None
 
-    def of(self, shown: Shown) -> VolumeResources | NoTextures:
+    def of(self, shown: ResolvedSpec) -> VolumeResources | NoTextures:
         """The textures of what is shown, made if need be; those of another volume are given back."""
         needed = shown.info.uses_textures
         if self._held is not None and (self._held.volume is not shown.volume or not needed):
@@ -64,7 +64,7 @@ class ShownTextures:
             self._held = self._window_gpu.resources(shown.volume)
         return self._held
 
-    def upload(self, shown: Shown, budget: float) -> bool:
+    def upload(self, shown: ResolvedSpec, budget: float) -> bool:
         """Fill them for about `budget` seconds; True when they are full."""
         begin = time.perf_counter()
         textures = self.of(shown)

@@ -16,7 +16,6 @@ from volviz.custom_gl.techniques.bump_mapping.maps import MapTextures
 from volviz.custom_gl.techniques.bump_mapping.mesh_surface import MeshData, file_mesh, isosurface_mesh
 from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS
 from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
-from volviz.model.auto_isovalue import auto_isovalue
 from volviz.tasks import LatestResult, Work
 
 if TYPE_CHECKING:
@@ -197,8 +196,7 @@ class BumpMapping:
                 return file_mesh(volume, read(str(file), cancel=cancel), file.name)
 
             return ("mesh", volume, str(file), changed), from_file
-        isovalue = float(auto_isovalue(volume) if s.isovalue is None else s.isovalue)
-        stride = int(s.stride)
+        isovalue, stride = frame.isovalues[0], int(s.stride)
         return (
             ("mesh", volume, isovalue, stride),
             lambda _progress, cancel: isosurface_mesh(volume, isovalue, stride, cancel),
