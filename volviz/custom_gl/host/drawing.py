@@ -132,10 +132,16 @@ class Drawing:
         """Whether nothing more can be drawn before a task in the background has ended; then the pacer is woken."""
         return self._waits
 
-    def wait(self) -> None:
-        """Wait for what the next picture needs: for scripts, never in a turn of an event loop."""
-        self._textures.tasks.wait()
-        self._runner.tasks.wait()
+    def wait(self, timeout: float | None = None) -> None:
+        """Wait for what the next picture needs: for scripts, never in a turn of an event loop.
+
+        Parameters
+        ----------
+        timeout : float, optional
+            Seconds after which to give up.
+        """
+        if self._textures.tasks.wait(timeout):
+            self._runner.tasks.wait(timeout)
 
     def _on_task(self, task: BackgroundTask[Any]) -> None:
         """A task has ended, on whose thread this is called: there may be more to draw."""
