@@ -426,7 +426,7 @@ class Renderer:
             while seconds is not None and not handle.refine(budget=seconds):
                 handle.raise_error()
                 within = handle.status.progress
-                # 1 is said of the coarse picture too with which each tile begins
+                # a tile begins with a coarse image, which is reported as complete (1) although the tile is not
                 yield (done + (within if within < 1.0 else 0.0)) / len(tiles), None
             handle.raise_error()
             yield (done + 1) / len(tiles), (tile, handle.read_picture()[: tile[3], : tile[2]])
