@@ -80,6 +80,7 @@ class Display(QObject):
         self.handle: Any = None
         self.pacer = Pacer(self)
         self.pacer.completed.connect(viewport.render)
+        self.pacer.frame_wanted.connect(viewport.render)
         self.pacer.failed.connect(self._on_failed)
         self._gestures = 0
         self._button_watch = QTimer(self)

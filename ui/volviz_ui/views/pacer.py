@@ -6,8 +6,12 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from volviz_ui.gui_thread import Delivery
+
 BUDGET_SECONDS = 0.03
 """Time of one turn; the window answers in between."""
+WAITING_MS = 100
+"""While the picture waits for work in the background, it is asked this often how far that is."""
 
 
 class Pacer(QObject):
@@ -16,6 +20,8 @@ class Pacer(QObject):
     completed = Signal()
     """The complete picture is ready to be shown."""
     failed = Signal(object)
+    frame_wanted = Signal()
+    """There is more to be seen during a gesture."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -23,14 +29,24 @@ class Pacer(QObject):
         self._held = False
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
-        self._timer.setInterval(0)
         self._timer.timeout.connect(self._turn)
+        self._deliver_wake = Delivery(self._on_woken)
 
     def request(self, handle: Any) -> None:
         """Called by the host while it draws an incomplete picture."""
         self._handle = handle
         if not self._held:
-            self._timer.start()
+            self._timer.start(0)
+
+    def wake(self, _handle: Any) -> None:
+        """Called by the host, on any thread, when something is ready for which the picture has waited."""
+        self._deliver_wake()
+
+    def _on_woken(self) -> None:
+        if self._held:
+            self.frame_wanted.emit()
+        elif self._handle is not None:
+            self._timer.start(0)
 
     def hold(self) -> None:
         """A gesture has begun."""
@@ -41,7 +57,7 @@ class Pacer(QObject):
         """The gesture is over."""
         self._held = False
         if self._handle is not None:
-            self._timer.start()
+            self._timer.start(0)
 
     @property
     def is_busy(self) -> bool:
@@ -66,4 +82,4 @@ class Pacer(QObject):
             self._handle = None
             self.completed.emit()
         elif not self._timer.isActive():
-            self._timer.start()
+            self._timer.start(WAITING_MS if self._handle.is_waiting else 0)
