@@ -29,7 +29,7 @@ class VolumeRef:
     source : str
         Path of a file or folder, ``sample:<name>``, or ``array:<number>`` for one handed over by a program.
     hints : tuple of (name, value)
-        How to read it (raw dimensions, channel, time point).
+        How to read it (raw dimensions, channel, time point), sorted by name.
     content_id : str
         Changes when the file changes; part of the cache key.
     """
@@ -37,6 +37,9 @@ class VolumeRef:
     source: str
     hints: tuple[tuple[str, Hashable], ...] = ()
     content_id: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "hints", tuple(sorted(self.hints)))
 
 
 @dataclass(frozen=True)
