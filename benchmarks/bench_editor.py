@@ -95,8 +95,8 @@ def bench_drag(source: str, techniques: list[str]) -> None:
     from PySide6.QtCore import QEvent, QPointF, QSettings, Qt
     from PySide6.QtGui import QMouseEvent
 
+    from volviz.custom_gl.scene_techniques import choose_technique
     from volviz_ui.main_window import MainWindow
-    from volviz_ui.panels.technique_box import choose_technique
     from volviz_ui.preferences import Preferences
     from volviz_ui.theme import Theme
 

@@ -222,7 +222,7 @@ class Session:
 
     def choose(self, technique: str) -> None:
         """Switch the technique and print the same."""
-        from volviz_ui.panels.technique_box import choose_technique
+        from volviz.custom_gl.scene_techniques import choose_technique
 
         self.gaps.restart()
         begin = time.perf_counter()

@@ -229,9 +229,8 @@ def draw_crosscheck() -> None:
     from volviz_ui.application import make_application
 
     application = make_application()
+    from volviz.custom_gl.scene_techniques import change_setting, choose_technique
     from volviz_ui.main_window import MainWindow
-    from volviz_ui.panels.technique import change_setting
-    from volviz_ui.panels.technique_box import choose_technique
     from volviz_ui.preferences import Preferences
     from volviz_ui.theme import Theme
 

@@ -22,16 +22,15 @@ from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from tests.ui.conftest import drag, save_ball, turn_wheel
 from volviz.compare.pictures import difference_image
+from volviz.custom_gl.scene_techniques import change_setting, current_technique
 from volviz.model.light import Light
 from volviz.model.parameters import Cost
-from volviz_ui.compare.difference_picture import array_of
-from volviz_ui.compare.pane import Pane
-from volviz_ui.compare.sides import choose_side
 from volviz_ui.file_commands import drawn_picture
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique import change_setting
-from volviz_ui.panels.technique_box import current_technique
-from volviz_ui.viewport import same_view
+from volviz_ui.views.difference_picture import array_of
+from volviz_ui.views.pane import Pane
+from volviz_ui.views.sides import choose_side
+from volviz_ui.views.viewport import same_view
 
 LEVELS = 2
 """In the window the background is rounded to bytes before the volume is laid over it, off-screen only the result."""

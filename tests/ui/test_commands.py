@@ -16,12 +16,12 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog, QPushButton, QTabBar
 
 from tests.ui.conftest import foreground, is_complete, picture
+from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
 from volviz_ui.dialogs.raw_import import hints_from_name, is_raw
 from volviz_ui.dialogs.shortcuts import ShortcutsDialog
 from volviz_ui.file_commands import drawn_picture
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique, current_settings, drawing_techniques
 from volviz_ui.preferences import Preferences
 from volviz_ui.script import script_of
 from volviz_ui.theme import Theme

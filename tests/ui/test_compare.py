@@ -14,12 +14,12 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from tests.ui.conftest import drag, is_complete, turn_wheel
+from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.model.session import load_session
-from volviz_ui.compare.difference_picture import array_of
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique
 from volviz_ui.session_commands import settings_of
-from volviz_ui.viewport import Viewport
+from volviz_ui.views.difference_picture import array_of
+from volviz_ui.views.viewport import Viewport
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")

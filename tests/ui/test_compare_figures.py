@@ -18,13 +18,17 @@ from tests.ui.test_compare_modes import exported
 from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.compare.timing import FrameTimes
 from volviz.custom_gl.gpu.context import Limits
+from volviz.custom_gl.scene_techniques import (
+    change_setting,
+    choose_technique,
+    current_settings,
+    current_technique,
+)
 from volviz.kernels.marching.surface import clean_mesh
 from volviz.mesh import extract_isosurface, triangle_arrays
 from volviz.model.camera import Camera
-from volviz_ui.compare.fitting import fitted, reach
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique import change_setting
-from volviz_ui.panels.technique_box import choose_technique, current_settings, current_technique
+from volviz_ui.views.fitting import fitted, reach
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")

@@ -14,12 +14,12 @@ from PySide6.QtWidgets import QApplication
 from tests.ui.conftest import drag, is_complete
 from tests.ui.test_compare import picture_of, viewports
 from volviz.compare.pictures import difference_image
+from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.model.comparison import Mode
-from volviz_ui.compare.difference_picture import array_of
-from volviz_ui.compare.divider import Divider
 from volviz_ui.file_commands import drawn_picture
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique
+from volviz_ui.views.difference_picture import array_of
+from volviz_ui.views.divider import Divider
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")

@@ -16,6 +16,7 @@ from PySide6.QtTest import QTest
 from tests.ui.conftest import is_complete
 from volviz.commands.compare import add_commands, sides_of, technique_and_values, view_of
 from volviz.commands.inputs import hints_of
+from volviz.custom_gl.scene_techniques import choose_technique, current_settings, current_technique
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, VolumeRef
@@ -28,7 +29,6 @@ from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve, decades
 from volviz_ui.compare.reports import curves_of
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique, current_settings, current_technique
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")

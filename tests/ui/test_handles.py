@@ -12,8 +12,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from tests.ui.conftest import drag, is_complete, picture
+from volviz.custom_gl.scene_techniques import choose_technique, current_settings
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique, current_settings
 
 Wait = Callable[..., None]
 

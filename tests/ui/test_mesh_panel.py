@@ -15,12 +15,16 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from tests.ui.conftest import is_complete, picture
 from volviz.compare.mesh_metrics import mesh_metrics
+from volviz.custom_gl.scene_techniques import (
+    change_setting,
+    choose_technique,
+    current_settings,
+    current_technique,
+)
 from volviz.mesh import extract_isosurface, triangle_arrays
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.surface import words_of
-from volviz_ui.panels.technique import change_setting
-from volviz_ui.panels.technique_box import choose_technique, current_settings, current_technique
 
 Wait = Callable[..., None]
 

@@ -12,8 +12,8 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from tests.ui.conftest import foreground, is_complete, save_ball
+from volviz.custom_gl.scene_techniques import choose_technique
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique
 
 Wait = Callable[..., None]
 

@@ -21,18 +21,18 @@ from PySide6.QtWidgets import (
 
 from tests.ui.conftest import drag, foreground, is_complete, picture
 from volviz.custom_gl.registry import techniques
-from volviz.model.volume import Volume
-from volviz_ui.editors.number import STEPS, NumberEditor
-from volviz_ui.main_window import MainWindow
-from volviz_ui.panels import form_shelf
-from volviz_ui.panels.settings_form import SettingsForm
-from volviz_ui.panels.technique import change_setting
-from volviz_ui.panels.technique_box import (
+from volviz.custom_gl.scene_techniques import (
+    change_setting,
     choose_technique,
     current_settings,
     current_technique,
     drawing_techniques,
 )
+from volviz.model.volume import Volume
+from volviz_ui.editors.number import STEPS, NumberEditor
+from volviz_ui.main_window import MainWindow
+from volviz_ui.panels import form_shelf
+from volviz_ui.panels.settings_form import SettingsForm
 
 Wait = Callable[..., None]
 
@@ -237,8 +237,8 @@ def _parent_tooltip(widget: QWidget) -> str:
 
 
 def test_a_technique_about_light_starts_with_a_placed_light(window: MainWindow) -> None:
+    from volviz.custom_gl.scene_techniques import choose_technique
     from volviz.model.light import Light
-    from volviz_ui.panels.technique_box import choose_technique
 
     choose_technique(window.store, "half_angle")
     assert window.store.scene.light == Light(headlight=False)

@@ -13,12 +13,16 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import drag, foreground, is_complete, save_ball, turn_wheel
+from volviz.custom_gl.scene_techniques import (
+    change_setting,
+    choose_technique,
+    current_technique,
+    drawing_techniques,
+)
 from volviz.kernels.warm_up import warm_up
 from volviz.model.parameters import Cost, Parameter
 from volviz_ui.main_window import MainWindow
 from volviz_ui.memory import return_freed_memory
-from volviz_ui.panels.technique import change_setting
-from volviz_ui.panels.technique_box import choose_technique, current_technique, drawing_techniques
 
 Wait = Callable[..., None]
 OPERATIONS = int(os.environ.get("VOLVIZ_RANDOM_OPERATIONS", "120"))

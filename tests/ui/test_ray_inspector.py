@@ -11,10 +11,10 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import is_complete, picture
+from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.custom_gl.techniques.raycast.settings import RaycastSettings
 from volviz.model.transfer_function import TransferFunction
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique
 
 Wait = Callable[..., None]
 LEFT = Qt.MouseButton.LeftButton

@@ -13,12 +13,12 @@ import pytest
 from PIL import Image
 
 from tests.ui.conftest import drag, is_complete
+from volviz.custom_gl.scene_techniques import choose_technique, current_technique
 from volviz.errors import Cancelled
 from volviz.model.comparison import Comparison
 from volviz.model.session import scene_from_dict, scene_to_dict
 from volviz_ui.compare import surface_distances
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique, current_technique
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")

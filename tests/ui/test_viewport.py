@@ -12,9 +12,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from tests.ui.conftest import drag, foreground, is_complete, picture, turn_wheel
+from volviz.custom_gl.scene_techniques import choose_technique, drawing_techniques
 from volviz.model.transfer_function import TransferFunction
 from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.technique_box import choose_technique, drawing_techniques
 
 Wait = Callable[..., None]
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 
+from volviz.custom_gl.scene_techniques import choose_technique, drawing_techniques
 from volviz_ui.icons import set_icon
-from volviz_ui.panels.technique_box import choose_technique, drawing_techniques
 
 if TYPE_CHECKING:
     from volviz_ui.main_window import MainWindow

@@ -9,6 +9,7 @@ import numpy as np
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QApplication, QFileDialog, QProgressDialog
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.scene import Scene
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
 from volviz.model.volume import Volume
@@ -16,11 +17,10 @@ from volviz_ui.dialogs.error import show_error
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
-from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.picture_export import PictureExport
-from volviz_ui.scenery import background_picture
 from volviz_ui.script import script_of
 from volviz_ui.surface import shows_mesh
+from volviz_ui.views.scenery import background_picture
 
 if TYPE_CHECKING:
     from volviz_ui.main_window import MainWindow

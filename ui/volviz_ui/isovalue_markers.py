@@ -6,13 +6,12 @@ from typing import Any
 
 from PySide6.QtCore import QObject
 
+from volviz.custom_gl.scene_techniques import change_setting, current_settings, current_technique
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
-from volviz_ui.panels.technique import change_setting
-from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.transfer_editor import TransferEditor
 
 NAMES = ("isovalues", "isovalue")

@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QMainWindow
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import regions_unused
 from volviz.kernels.warm_up import warm_up
 from volviz.model.scene import Scene
@@ -26,12 +27,10 @@ from volviz_ui.compare.measurements import Measurements
 from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.reports import Reports
 from volviz_ui.compare.surface_distances import SurfaceDistances
-from volviz_ui.compare.view_area import ViewArea
 from volviz_ui.dialogs.about import AboutDialog
 from volviz_ui.dialogs.error import sentence_of, show_error
 from volviz_ui.dialogs.preferences import PreferencesDialog
 from volviz_ui.dialogs.shortcuts import ShortcutsDialog
-from volviz_ui.display import AddVolume, Display
 from volviz_ui.dock_layout import VERSION as LAYOUT_VERSION
 from volviz_ui.dock_layout import DockLayout
 from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
@@ -41,12 +40,10 @@ from volviz_ui.memory import return_freed_memory
 from volviz_ui.menus import Menus
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
-from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.pointer import Pointer
 from volviz_ui.preferences import Preferences
 from volviz_ui.ray_inspector.inspector import RayInspector
 from volviz_ui.ray_inspector.panel import RayPanel
-from volviz_ui.scenery import Scenery
 from volviz_ui.session_commands import SessionCommands
 from volviz_ui.status_line import StatusLine
 from volviz_ui.surface import Surface
@@ -54,7 +51,10 @@ from volviz_ui.theme import Theme
 from volviz_ui.thumbnails import Thumbnails
 from volviz_ui.transfer_editor import TransferEditor
 from volviz_ui.view_commands import ViewCommands
-from volviz_ui.viewport import Viewport
+from volviz_ui.views.display import AddVolume, Display
+from volviz_ui.views.scenery import Scenery
+from volviz_ui.views.view_area import ViewArea
+from volviz_ui.views.viewport import Viewport
 from volviz_ui.workers import Gate, Workers
 
 MEMORY_DELAY_MS = 2000

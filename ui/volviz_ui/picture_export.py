@@ -9,13 +9,13 @@ import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.framing import default_camera
 from volviz.large_pictures import PictureInPieces
 from volviz.model.scene import Scene
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.volume import Volume
-from volviz_ui.panels.technique_box import current_settings, current_technique
-from volviz_ui.scenery import background_picture
+from volviz_ui.views.scenery import background_picture
 from volviz_ui.workers import Task, Workers
 
 OPAQUE_SUFFIXES = (".jpg", ".jpeg")

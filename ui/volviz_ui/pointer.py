@@ -9,10 +9,10 @@ from PySide6.QtCore import QObject, QPointF, QTimer
 
 from volviz.custom_gl.picking import Picked
 from volviz.model.grips import as_vector
-from volviz_ui.compare.view_area import ViewArea
 from volviz_ui.documents import Documents
 from volviz_ui.status_line import StatusLine
 from volviz_ui.transfer_editor import TransferEditor
+from volviz_ui.views.view_area import ViewArea
 
 DELAY_MS = 25
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
 from volviz.model.scene import Scene
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
-from volviz_ui.panels.technique_box import current_settings, current_technique
 
 
 def script_of(scene: Scene, size: tuple[int, int]) -> str:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import QObject, Signal
 
 from volviz.custom_gl.mesh_drawing import MeshSettings, ReadyMesh, world_triangles
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.parameters import Cost, parameters_of
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.workers import Task, Workers
 
 if TYPE_CHECKING:

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
+from volviz.custom_gl.scene_techniques import (
+    change_setting,
+    current_settings,
+    current_technique,
+    reset_settings,
+)
 from volviz.custom_gl.technique import drawn_function
 from volviz.errors import SettingError
 from volviz.framing import default_camera
 from volviz.model.parameters import Parameter
-from volviz_ui.camera_moves import axis_camera
-from volviz_ui.panels.technique import change_setting, reset_settings
-from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.views.camera_moves import axis_camera
 
 if TYPE_CHECKING:
     from volviz_ui.main_window import MainWindow

@@ -93,6 +93,10 @@ class Scene:
         """Number of the active view, within those that there are."""
         return min(max(self.active, 0), len(self.views) - 1)
 
+    def view_at(self, index: int | None = None) -> View:
+        """A view by its number: the active one for None, the last one when there are not so many."""
+        return self.view if index is None else self.views[min(index, len(self.views) - 1)]
+
     @property
     def pair(self) -> tuple[int, int] | None:
         """Numbers of the two views that are compared, A and B; None when there is one view only."""

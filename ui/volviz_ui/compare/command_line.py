@@ -6,13 +6,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.settings import SharedSettings
 from volviz.model.camera import Camera
 from volviz.model.layers import VolumeRef
 from volviz.model.light import Light
 from volviz.model.parameters import Parameter, parameters_of
 from volviz.model.scene import Scene
-from volviz_ui.panels.technique_box import current_settings, current_technique
 
 
 def compare_arguments(

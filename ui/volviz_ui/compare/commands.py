@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject
 
+from volviz.custom_gl.scene_techniques import counterparts, current_technique
 from volviz.framing import visible_points
 from volviz.model.comparison import Mode
 from volviz.model.scene import Scene
-from volviz_ui.compare.fitting import fitted
 from volviz_ui.compare.settings_match import match_second
-from volviz_ui.panels.technique_box import counterparts, current_technique
+from volviz_ui.views.fitting import fitted
 
 if TYPE_CHECKING:
     from volviz_ui.main_window import MainWindow

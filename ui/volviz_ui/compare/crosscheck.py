@@ -26,6 +26,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.scene import Scene
 from volviz.model.store import Store
@@ -34,7 +35,6 @@ from volviz_ui.binding import show_value
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import quiet_label
-from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.workers import Task, Workers
 

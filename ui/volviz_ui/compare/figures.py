@@ -17,7 +17,7 @@ from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.parameters import parameters_of
 from volviz.model.volume import Volume
-from volviz_ui.compare.difference_picture import Bytes
+from volviz_ui.views.difference_picture import Bytes
 
 MESHES_KEPT = 4
 

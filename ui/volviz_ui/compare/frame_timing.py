@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.compare.timing import FrameTimes
-from volviz_ui.display import Display
+from volviz_ui.views.display import Display
 
 ROUNDS = 5
 BUDGET_SECONDS = 0.1

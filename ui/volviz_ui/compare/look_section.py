@@ -11,10 +11,10 @@ from volviz.model.comparison import LIMITS, PERIODS, Comparison
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
-from volviz_ui.compare.sides import LETTERS, SideBox
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import Section, quiet_label, small_button
+from volviz_ui.views.sides import LETTERS, SideBox
 
 if TYPE_CHECKING:
     from volviz_ui.compare.commands import CompareCommands

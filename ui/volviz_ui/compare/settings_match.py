@@ -7,10 +7,10 @@ from typing import Any
 
 from volviz.compare.match_vtk import are_counterparts, differences, follow
 from volviz.compare.matching import in_words
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import SettingError
 from volviz.model.parameters import Parameter, make_settings
 from volviz.model.scene import Scene
-from volviz_ui.panels.technique_box import current_settings, current_technique
 
 
 def match_second(scene: Scene, first: int, second: int) -> Scene:

@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.compare.distance_colors import DistanceColors, distance_colors
 from volviz.compare.distance_map import DistanceMap, distance_maps
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import InputError
 from volviz.model.comparison import Comparison
 from volviz.model.scene import Scene
@@ -16,10 +17,9 @@ from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figures import MeshStore, mesh_key
-from volviz_ui.compare.pane import Pane
-from volviz_ui.compare.view_area import ViewArea
 from volviz_ui.documents import Documents
-from volviz_ui.panels.technique_box import current_settings, current_technique
+from volviz_ui.views.pane import Pane
+from volviz_ui.views.view_area import ViewArea
 from volviz_ui.workers import Task, Workers
 
 DELAY_MS = 150

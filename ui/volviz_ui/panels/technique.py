@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 from PySide6.QtCore import QCoreApplication, QEvent, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
+from volviz.custom_gl.scene_techniques import (
+    change_setting,
+    current_settings,
+    current_technique,
+    reset_settings,
+)
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.parameters import Parameter
-from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
@@ -22,7 +25,7 @@ from volviz_ui.panels.light import LightSection
 from volviz_ui.panels.panel import Panel, quiet_label, small_button
 from volviz_ui.panels.settings_form import SettingsForm
 from volviz_ui.panels.surface import SurfaceSection
-from volviz_ui.panels.technique_box import TechniqueBox, current_settings, current_technique
+from volviz_ui.panels.technique_box import TechniqueBox
 from volviz_ui.surface import shows_mesh
 
 
@@ -174,24 +177,3 @@ def automatic_values(volume: Volume) -> dict[str, Any]:
         "isovalue": isovalue,
         "isovalues": (isovalue,),
     }
-
-
-def reset_settings(store: Store, label: str) -> None:
-    """Give all settings of the current technique their defaults."""
-
-    def change(scene: Scene) -> Scene:
-        info = current_technique(scene)
-        return scene.with_view(settings=scene.view.with_settings(info.id, info.settings()).settings)
-
-    store.update(change, label=label)
-
-
-def change_setting(store: Store, parameter: Parameter, value: Any, *, gesture: Any = None) -> None:
-    """Give a setting of the current technique another value."""
-
-    def change(scene: Scene) -> Scene:
-        info = current_technique(scene)
-        settings = dataclasses.replace(current_settings(scene), **{parameter.name: parameter.checked(value)})
-        return scene.with_view(settings=scene.view.with_settings(info.id, settings).settings)
-
-    store.update(change, label=parameter.label, gesture=gesture)

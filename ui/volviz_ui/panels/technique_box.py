@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
 from PySide6.QtGui import QFont, QFontMetrics, QPainter, QPalette
 from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
 
-from volviz.custom_gl.registry import techniques
-from volviz.custom_gl.technique import TechniqueInfo
-from volviz.model.light import Light
-from volviz.model.scene import Scene, View
+from volviz.custom_gl.scene_techniques import choose_technique, counterparts, drawing_techniques
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.editors.simple import CalmComboBox
@@ -75,7 +69,7 @@ class TechniqueBox(CalmComboBox):
         self.setToolTip(self.tr("How the volume is drawn (keys 1 to 9)"))
         self._store = store
         self._view = view
-        show_value(store, lambda scene: view_of(scene, view).technique, self.show_technique)
+        show_value(store, lambda scene: scene.view_at(view).technique, self.show_technique)
         self.activated.connect(self._on_activated)
 
     def showPopup(self) -> None:
@@ -90,47 +84,3 @@ class TechniqueBox(CalmComboBox):
 
     def _on_activated(self, index: int) -> None:
         choose_technique(self._store, self.itemData(index), view=self._view)
-
-
-def drawing_techniques() -> list[TechniqueInfo]:
-    """Our own techniques, in the order of the list; VTK's are there for comparison."""
-    return [info for info in techniques().values() if not info.counterpart_of]
-
-
-def counterparts() -> list[TechniqueInfo]:
-    """The techniques that are meant to be looked at beside ours: VTK's own mappers, the reference."""
-    return [info for info in techniques().values() if info.counterpart_of]
-
-
-def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:
-    """Draw a view, the active one unless another is named, with another technique; a step of the history.
-
-    A technique about light starts with a placed one, as long as nobody has touched the light: from the eye
-    itself no shadow can be seen.
-    """
-    info = techniques()[technique]
-
-    def chosen(scene: Scene) -> Scene:
-        changed = scene.with_view(view, technique=technique)
-        if "light" in info.handles and scene.light == Light():
-            changed = replace(changed, light=Light(headlight=False))
-        return changed
-
-    store.update(chosen, label=info.label)
-
-
-def view_of(scene: Scene, view: int | None) -> View:
-    """A view of the scene by its number: the active one for None, the last one when there are not so many."""
-    return scene.view if view is None else scene.views[min(view, len(scene.views) - 1)]
-
-
-def current_technique(scene: Scene, view: int | None = None) -> TechniqueInfo:
-    """The technique that draws a view, the active one unless another is named."""
-    known = techniques()
-    return known.get(view_of(scene, view).technique) or next(iter(known.values()))
-
-
-def current_settings(scene: Scene, view: int | None = None) -> Any:
-    """Its settings."""
-    info = current_technique(scene, view)
-    return view_of(scene, view).settings_for(info.id, info.settings)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QObject, QPointF, QTimer, Signal
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import VolvizError
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
@@ -18,12 +19,11 @@ from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz.ray_inspection import RayInspection, inspect_ray
 from volviz_ui.documents import Documents
-from volviz_ui.panels.technique_box import current_settings, current_technique
 from volviz_ui.ray_inspector.panel import RayPanel
 from volviz_ui.workers import Workers
 
 if TYPE_CHECKING:
-    from volviz_ui.compare.view_area import ViewArea
+    from volviz_ui.views.view_area import ViewArea
 
 FOLLOW_MS = 15
 """After a change the ray is followed again this much later; further changes until then cost nothing."""

@@ -6,7 +6,7 @@ import numpy as np
 import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor2D, vtkPolyDataMapper2D
 
-from volviz_ui.viewport import Viewport
+from volviz_ui.views.viewport import Viewport
 
 ARM, GAP = 12.0, 4.0
 """Length of an arm of the cross, and the free middle that leaves the pixel itself to see; pixels."""

@@ -10,6 +10,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from PySide6.QtWidgets import QApplication
 
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import drawn_function
 from volviz.framing import default_camera
 from volviz.model.camera import Camera
@@ -17,11 +18,10 @@ from volviz.model.light import default_position
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
-from volviz_ui.camera_moves import light_moved, light_turned
 from volviz_ui.documents import Documents
-from volviz_ui.pacer import Pacer
-from volviz_ui.panels.technique_box import current_settings, current_technique, view_of
-from volviz_ui.viewport import Viewport
+from volviz_ui.views.camera_moves import light_moved, light_turned
+from volviz_ui.views.pacer import Pacer
+from volviz_ui.views.viewport import Viewport
 
 BUTTON_POLL_MS = 40
 """How often it is asked whether a drag in a panel is over."""
@@ -247,7 +247,7 @@ class Display(QObject):
         self._frame_scene(volume, scene)
 
     def _frame_scene(self, volume: Volume, scene: Scene) -> None:
-        camera = view_of(scene, self._view).camera
+        camera = scene.view_at(self._view).camera
         if camera is None and scene.layer is not None and self._view == 0:
             function = drawn_function(
                 current_technique(scene), current_settings(scene), scene.layer.transfer_function
@@ -265,7 +265,7 @@ class Display(QObject):
         if not self._documents.is_ready_for(old):
             return  # the volume changes: `show_volume` shows all of it at once
         changes: dict[str, Any] = {}
-        before, after = view_of(old, self._view), view_of(new, self._view)
+        before, after = old.view_at(self._view), new.view_at(self._view)
         if before.technique != after.technique:
             changes["technique"] = current_technique(new, self._view).id
             changes["settings"] = current_settings(new, self._view)

@@ -7,12 +7,12 @@ from PySide6.QtGui import QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QWidget
 
 from volviz.model.store import Store
-from volviz_ui.compare.header import ViewHeader
-from volviz_ui.display import AddVolume, Display
 from volviz_ui.documents import Documents
 from volviz_ui.ray_inspector.mark import RayMark
-from volviz_ui.scenery import Scenery
-from volviz_ui.viewport import Viewport
+from volviz_ui.views.display import AddVolume, Display
+from volviz_ui.views.header import ViewHeader
+from volviz_ui.views.scenery import Scenery
+from volviz_ui.views.viewport import Viewport
 
 BORDER = 2
 

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
 
 from volviz.model.camera import Camera
-from volviz_ui.camera_moves import WHEEL_STEP, panned, rotated, zoomed
+from volviz_ui.views.camera_moves import WHEEL_STEP, panned, rotated, zoomed
 
 if TYPE_CHECKING:
     from volviz.custom_gl.host.scene_handles import SceneHandles

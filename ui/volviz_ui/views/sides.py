@@ -9,11 +9,11 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QActionGroup, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
+from volviz.custom_gl.scene_techniques import current_technique
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.technique_box import current_technique
 
 LETTERS = ("A", "B")
 BADGE = 22

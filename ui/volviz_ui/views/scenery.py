@@ -10,7 +10,7 @@ import pyvista as pv
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-from volviz_ui.viewport import Viewport
+from volviz_ui.views.viewport import Viewport
 
 TOP, BOTTOM = "#3b4450", "#14171b"
 """Colours of the background: dark in both themes, since light is added up in front of it."""

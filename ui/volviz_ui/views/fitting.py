@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.model.camera import Camera
-from volviz_ui.camera_moves import frame, zoomed
+from volviz_ui.views.camera_moves import frame, zoomed
 
 MARGIN = 1.04
 """A little air at both sides."""

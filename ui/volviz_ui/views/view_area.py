@@ -16,12 +16,12 @@ from volviz.model.scene import Color, Scene
 from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-from volviz_ui.compare.arrangement import Arrangement
-from volviz_ui.compare.difference_picture import Bytes, over
-from volviz_ui.compare.pane import Pane
-from volviz_ui.display import AddVolume
 from volviz_ui.documents import Documents
-from volviz_ui.scenery import background_picture
+from volviz_ui.views.arrangement import Arrangement
+from volviz_ui.views.difference_picture import Bytes, over
+from volviz_ui.views.display import AddVolume
+from volviz_ui.views.pane import Pane
+from volviz_ui.views.scenery import background_picture
 
 
 class ViewArea(QWidget):

@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
 from volviz.model.comparison import Comparison
-from volviz_ui.compare.difference_picture import (
+from volviz_ui.views.difference_picture import (
     Bytes,
     array_of,
     bar_colors,

@@ -6,10 +6,10 @@ from PySide6.QtCore import QEvent, QObject, QRect, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
 from volviz.model.comparison import Comparison
-from volviz_ui.compare.difference_view import DifferenceView
-from volviz_ui.compare.divider import Divider
-from volviz_ui.compare.header import HEIGHT as HEADER
-from volviz_ui.compare.pane import BORDER, Pane
+from volviz_ui.views.difference_view import DifferenceView
+from volviz_ui.views.divider import Divider
+from volviz_ui.views.header import HEIGHT as HEADER
+from volviz_ui.views.pane import BORDER, Pane
 
 GAP = 4
 
