@@ -164,7 +164,9 @@ class MainWindow(QMainWindow):
         self.actions_ = Actions(self)
         self.menus = Menus(self)
         self.action_states = ActionStates(self.store, self.actions_, self.surface, self)
-        self.pointer = Pointer(self.documents, self.views, self.status_line, self.transfer_editor, self)
+        self.pointer = Pointer(
+            self.store, self.documents, self.views, self.status_line, self.transfer_editor, self
+        )
         self._last_error: BaseException | None = None
         self._panel_timer = QTimer(self)
         self._panel_timer.setSingleShot(True)
@@ -198,9 +200,6 @@ class MainWindow(QMainWindow):
     # ------------------------------------------------------------------ putting together
 
     def _connect(self) -> None:
-        for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
-            panel.gesture_started.connect(self.views.begin_gesture)
-            panel.gesture_finished.connect(self.views.end_gesture)
         self.transfer_editor.failed.connect(
             lambda error: show_error(self, self.tr("Transfer function"), error)
         )

@@ -42,7 +42,7 @@ class View:
         return default()
 
     def with_settings(self, technique: str, settings: Any) -> View:
-        """The view with other settings for a technique; defaults are stored as none, so that equal views compare equal."""
+        """The view with other settings for a technique; defaults leave no entry, so that equal views compare equal."""
         kind = type(settings)
         if self.settings_for(technique, kind) == settings:
             return self

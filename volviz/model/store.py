@@ -238,7 +238,9 @@ def _with_change(value: Any, old: Any, new: Any) -> Any:
     if not type(value) is type(old) is type(new):
         return value
     names = [each.name for each in fields(value)]
-    parts = {name: _with_change(getattr(value, name), getattr(old, name), getattr(new, name)) for name in names}
+    parts = {
+        name: _with_change(getattr(value, name), getattr(old, name), getattr(new, name)) for name in names
+    }
     try:
         return replace(value, **parts)
     except VolvizError:
