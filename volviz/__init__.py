@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from volviz.mesh import extract_isosurface as extract_isosurface
     from volviz.model.camera import Camera as Camera
     from volviz.model.clipping import Clipping as Clipping
+    from volviz.model.layers import ImageLayer as ImageLayer
+    from volviz.model.layers import LabelLayer as LabelLayer
     from volviz.model.light import Light as Light
     from volviz.model.transfer_function import TransferFunction as TransferFunction
     from volviz.model.volume import Volume as Volume
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
 _PUBLIC = {
     "Camera": "volviz.model.camera",
     "Clipping": "volviz.model.clipping",
+    "ImageLayer": "volviz.model.layers",
+    "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
     "TransferFunction": "volviz.model.transfer_function",
     "Volume": "volviz.model.volume",

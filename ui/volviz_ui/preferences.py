@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from PySide6.QtCore import QByteArray, QSettings
 
-from volviz.model.layers import VolumeRef
+from volviz.volume_data.references import VolumeRef
 from volviz_ui.theme import Choice
 
 RECENT_LIMIT = 12

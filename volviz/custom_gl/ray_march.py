@@ -31,13 +31,12 @@ def march_program(
     # opacities per step in the table save a power per sample; gradient opacity must act before the correction
     per_step = mode == "composite" and not settings.gradient_opacity
     program = frame.program(
-        vertex, fragment, {"TABLE_PER_STEP": per_step} | dict(defines or {}), {"mode": f"modes/{mode}.glsl"}
+        vertex,
+        fragment,
+        {"TABLE_PER_STEP": per_step} | dict(defines or {}),
+        {"mode": f"modes/{mode}.glsl"},
+        table_length=frame.step_world / frame.unit_distance if per_step else None,
     )
     if per_step:
-        length = frame.step_world / frame.unit_distance
-        table = frame.resources.table_per_length(
-            frame.transfer_function, length, interactive=frame.interactive
-        )
-        program.use_texture("t_table", table)
         program.set({"u_inverse_unit_distance": 1.0 / frame.step_world})
     return program

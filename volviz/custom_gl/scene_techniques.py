@@ -10,6 +10,7 @@ from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.light import Light
 from volviz.model.parameters import Parameter
+from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 
@@ -80,3 +81,14 @@ def reset_settings(store: Store, label: str) -> None:
         return scene.with_view(settings=scene.view.with_settings(info.id, info.settings()).settings)
 
     store.update(change, label=label)
+
+
+def render_spec(scene: Scene, view: int | None = None) -> RenderSpec:
+    """What a view of the scene shows, the active one unless another is named."""
+    return RenderSpec(
+        scene.layers,
+        current_technique(scene, view).id,
+        current_settings(scene, view),
+        scene.light,
+        scene.clipping,
+    )

@@ -148,6 +148,28 @@ class SurfaceColors:
             raise InputError(f"a table of colours has shape (N, 3), N at least 2, got {self.table.shape}.")
 
 
+@dataclass(frozen=True)
+class DistanceColoring:
+    """The wish that a surface is coloured by its distance to the one that another technique draws of the same volume.
+
+    Attributes
+    ----------
+    technique : str
+        Id of the technique that draws the other surface.
+    settings : object or None
+        Its settings; None means its defaults.
+    signed : bool
+        Whether places inside the other surface have distances below 0.
+    limit : float or None
+        Distance that gets the strongest colour, in world units; None: the largest there is.
+    """
+
+    technique: str
+    settings: Any = None
+    signed: bool = True
+    limit: float | None = None
+
+
 def _middles(vertices: Array, faces: Array) -> Array:
     """Middles of triangles, shape (F, 3), in the precision of the vertices."""
     return np.asarray((vertices[faces[:, 0]] + vertices[faces[:, 1]] + vertices[faces[:, 2]]) / 3)

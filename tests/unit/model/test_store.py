@@ -9,10 +9,11 @@ import pytest
 from volviz.custom_gl.registry import technique
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.store import Store
+from volviz.volume_data.references import VolumeRef
 
 CAMERA = Camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 FAR = replace(CAMERA, position=(0.0, 0.0, 9.0))
@@ -21,7 +22,7 @@ FAR = replace(CAMERA, position=(0.0, 0.0, 9.0))
 @pytest.fixture
 def store() -> Store:
     layer = ImageLayer(VolumeRef("array:1"))
-    return Store(Scene(layers=(layer,), views=(View(camera=CAMERA),)))
+    return Store(Scene(layers=(layer,), views=(SceneView(camera=CAMERA),)))
 
 
 def set_opacity(store: Store, opacity: float, gesture: str | None = None) -> None:
@@ -49,7 +50,7 @@ def opacity(store: Store) -> float:
 def test_settings_that_are_set_again_in_another_order_change_nothing(store: Store) -> None:
     ray, surface = technique("raycast").settings, technique("isosurface").settings
     wide, shiny = ray(step=2.0), surface(isovalues=(0.5,))
-    store.update(lambda scene: scene.with_view(settings=View().with_settings("raycast", wide).settings))
+    store.update(lambda scene: scene.with_view(settings=SceneView().with_settings("raycast", wide).settings))
     both = store.scene.view.with_settings("isosurface", shiny)
     store.update(lambda scene: scene.with_view(settings=both.settings))
     told: list[object] = []
@@ -59,13 +60,18 @@ def test_settings_that_are_set_again_in_another_order_change_nothing(store: Stor
         lambda scene: scene.with_view(settings=scene.view.with_settings("raycast", wide).settings)
     )
     assert told == []
-    assert View().with_settings("isosurface", shiny).with_settings("raycast", wide).settings == both.settings
+    assert (
+        SceneView().with_settings("isosurface", shiny).with_settings("raycast", wide).settings
+        == both.settings
+    )
 
 
 def test_defaults_are_the_same_as_no_settings() -> None:
     kind = technique("raycast").settings
-    assert View().with_settings("raycast", kind()) == View()
-    assert View().with_settings("raycast", kind(step=2.0)).with_settings("raycast", kind()) == View()
+    assert SceneView().with_settings("raycast", kind()) == SceneView()
+    assert (
+        SceneView().with_settings("raycast", kind(step=2.0)).with_settings("raycast", kind()) == SceneView()
+    )
 
 
 def test_hints_in_another_order_name_the_same_volume() -> None:

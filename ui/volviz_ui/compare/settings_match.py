@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from volviz.compare.match_vtk import are_counterparts, differences, follow
-from volviz.compare.matching import in_words
+from volviz.compare.matching import differences, follow, in_words
+from volviz.custom_gl.registry import are_counterparts
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import SettingError
 from volviz.model.parameters import Parameter, make_settings

@@ -130,26 +130,27 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ tables
 
-    def table(self, transfer_function: TransferFunction, *, interactive: bool = False) -> Any:
-        """The baked transfer function as a texture (see `tables.Table`), opacities per unit distance."""
-
-        def make() -> Any:
-            return self.gpu.table_texture(self._baked(transfer_function, interactive=interactive).texels)
-
-        key = (transfer_function, interactive and transfer_function.by_gradient is not None)
-        return self._cached(self._tables, "table", key, make)
-
-    def table_per_length(
-        self, transfer_function: TransferFunction, length: float, *, interactive: bool = False
+    def table(
+        self, transfer_function: TransferFunction, *, length: float | None = None, interactive: bool = False
     ) -> Any:
-        """As `table`, with opacities for pieces of ray of that length, in unit distances."""
+        """The baked transfer function as a texture (see `tables.Table`).
+
+        Parameters
+        ----------
+        transfer_function : TransferFunction
+            In data units.
+        length : float, optional
+            Opacities are those of segments of ray of that length, in unit distances; None is one unit distance.
+        interactive : bool, default: False
+            A smaller table where the function is one of value and gradient.
+        """
 
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
-            return self.gpu.table_texture(table.per_length(length))
+            return self.gpu.table_texture(table.texels if length is None else table.per_length(length))
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
-        return self._cached(self._tables, "table per length", key, make)
+        return self._cached(self._tables, "table" if length is None else "table per length", key, make)
 
     def preintegrated(self, transfer_function: TransferFunction, size: int, threshold: float) -> Any:
         """Premultiplied colour and opacity of segments one unit distance long, by their ends' scalars."""
@@ -227,9 +228,15 @@ class VolumeResources:
         """Everything that `occupied` depends on; equal keys, equal bricks."""
         function = frame.transfer_function
         if function.by_gradient is None:
-            return function, _threshold(frame)
+            return function, frame.common.density_threshold
         known = gradient_bricks_if_ready(self.volume) is not None
-        return function, _threshold(frame), frame.interactive, known, _bricks_of_differences(frame)
+        return (
+            function,
+            frame.common.density_threshold,
+            frame.interactive,
+            known,
+            _bricks_of_differences(frame),
+        )
 
     def occupied(self, frame: Frame) -> npt.NDArray[np.bool_]:
         """Which bricks may hold anything visible, shape (b_z, b_y, b_x).
@@ -238,7 +245,7 @@ class VolumeResources:
         """
         table = self._baked(frame.transfer_function, interactive=frame.interactive)
         opacity = table.opacity.copy()
-        below = self._below(_threshold(frame), table.values, opacity.shape[1])
+        below = self._below(frame.common.density_threshold, table.values, opacity.shape[1])
         opacity[:, : max(below - 1, 0)] = 0.0
         bricks = bricks_of(self.volume)
         if table.gradients is None:
@@ -289,19 +296,20 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ binding
 
-    def bind(self, program: Program, frame: Frame) -> None:
-        """Bind every texture that the program asks for."""
+    def bind(self, program: Program, frame: Frame, table_length: float | None = None) -> None:
+        """Bind every texture that the program asks for; opacities of the table are for that length (see `table`)."""
         units = program.units
         program.use_texture("t_scalars", self.scalars)
         if "t_table" in units:
-            table = self.table(frame.transfer_function, interactive=frame.interactive)
+            table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
             program.use_texture("t_table", table)
         if "t_scene_depth" in units:
             frame.scene_depth.use(units["t_scene_depth"])
         if "t_preintegrated" in units:
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
             program.use_texture(
-                "t_preintegrated", self.preintegrated(frame.transfer_function, size, _threshold(frame))
+                "t_preintegrated",
+                self.preintegrated(frame.transfer_function, size, frame.common.density_threshold),
             )
             program.set(
                 {
@@ -349,19 +357,14 @@ class VolumeResources:
 
 def _bricks_of_differences(frame: Frame) -> int:
     """Bricks that central differences reach beyond what the bounds of their own brick cover, one voxel."""
-    delta = float(getattr(frame.settings, "gradient_delta", 1.0))
-    return math.ceil(max(delta - 1.0, 0.0) / BRICK)
+    return math.ceil(max(frame.common.gradient_delta - 1.0, 0.0) / BRICK)
 
 
 def _margin(frame: Frame) -> int:
     """Bricks that empty space must keep away from what is visible: pre-integration looks at both ends of a step."""
-    if not getattr(frame.settings, "preintegrated", False):
+    if not frame.common.preintegrated:
         return 0
     return math.ceil((frame.step_world / min(frame.volume.spacing) + 1.0) / BRICK)
-
-
-def _threshold(frame: Frame) -> float:
-    return float(getattr(frame.settings, "density_threshold", 0.0))
 
 
 def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:

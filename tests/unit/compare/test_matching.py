@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from volviz.compare.match_vtk import FIXED, are_counterparts, differences, follow, match
-from volviz.compare.matching import match_sides
-from volviz.custom_gl.registry import technique, techniques
+from volviz.compare.matching import differences, follow, match, match_sides
+from volviz.custom_gl.registry import are_counterparts, technique, techniques
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings
 
@@ -47,7 +46,7 @@ def test_every_technique_of_vtk_has_a_counterpart_and_what_it_fixes_is_a_setting
     assert ours
     assert all(are_counterparts(ident, other) and are_counterparts(other, ident) for other in ours)
     known = {p.name for other in ours for p in technique(other).parameters}
-    assert set(FIXED[ident]) <= known
+    assert set(technique(ident).matching.fixed) <= known
     # and can be had
     for other in ours:
         make_settings(technique(other).settings, follow(other, {}, ident), owner=other)
