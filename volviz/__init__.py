@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from volviz.model.light import Light as Light
     from volviz.model.transfer_function import TransferFunction as TransferFunction
     from volviz.model.volume import Volume as Volume
-    from volviz.offscreen import render as render
+    from volviz.renderer import Renderer as Renderer
+    from volviz.renderer import render as render
 
 _PUBLIC = {
     "Camera": "volviz.model.camera",
@@ -36,6 +37,7 @@ _PUBLIC = {
     "ImageLayer": "volviz.model.layers",
     "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
+    "Renderer": "volviz.renderer",
     "TransferFunction": "volviz.model.transfer_function",
     "Volume": "volviz.model.volume",
     "VolumeHandle": "volviz.custom_gl.host",
@@ -45,7 +47,7 @@ _PUBLIC = {
     "load": "volviz.io",
     "marching_cubes": "volviz.kernels.marching",
     "presets": "volviz.api",
-    "render": "volviz.offscreen",
+    "render": "volviz.renderer",
     "show": "volviz.api",
     "techniques": "volviz.api",
 }

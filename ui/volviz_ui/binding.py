@@ -1,7 +1,8 @@
-"""How a widget is tied to the store.
+"""Ties a widget to one value of the scene, in either direction.
 
-`show_value` carries a value from the scene to a widget, `send_value` a widget's values to the store and `send_gesture`
-when it is being dragged. All hold the widget weakly: a closed panel disappears although the store lives on.
+`show_value` carries a value from the scene to a widget, `send_value` the widget's values to the store, and
+`send_gesture` tells the store while it is being dragged. All hold the widget weakly: a closed panel disappears although
+the store lives on. Commands and gestures that change more than the value of one widget call `Store.update` themselves.
 """
 
 from __future__ import annotations

@@ -226,7 +226,7 @@ def drawn_picture(scene: Scene, volume: Volume, size: tuple[int, int], *, transp
     ndarray of shape (H, W, 4), uint8
         Red, green, blue, straight alpha; row 0 at the top.
     """
-    from volviz.offscreen import render
+    from volviz.renderer import render
 
     picture = render(
         volume,

@@ -183,7 +183,7 @@ class Theme(QObject):
     """
 
     about_to_change = Signal()
-    """Every widget that there is will be dressed anew: what nobody sees may go before."""
+    """Emitted before all widgets get a new style sheet; hidden ones that can be made again may be deleted."""
     changed = Signal()
 
     def __init__(self, application: QApplication, choice: Choice = "system") -> None:

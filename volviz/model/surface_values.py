@@ -97,7 +97,7 @@ class SurfaceValues:
         return np.asarray(corners * np.float32(2 / 9) + self.at_middles[nearest] / np.float32(3), np.float32)
 
     def prepare(self) -> None:
-        """Do now, where nobody waits, what the first call of `around` would need time for."""
+        """Build the search tree that `around` needs; call it on a worker, because that takes long for large meshes."""
         self._tree("middles")
 
     def _is_mesh_of(self, vertices: Array, faces: Array) -> bool:

@@ -38,7 +38,7 @@ class DistanceSection(Section):
             )
         )
         self.choice.setAccessibleName(self.tr("Colours of the surfaces"))
-        # or the field below, which is of one width, would say how wide the column is
+        # without Expanding, the fixed width of the field below would determine the width of the column
         self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         for words, value in (
             (self.tr("Their own"), "off"),

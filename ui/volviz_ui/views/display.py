@@ -104,7 +104,7 @@ class Display(QObject):
         self._viewport.render()
 
     def frame_seconds(self) -> float:
-        """Draw VTK's frame around the picture at hand and wait until it is finished; gives its wall time in seconds."""
+        """Wall time in seconds of a frame of VTK that shows the finished image again, without drawing the volume."""
         window = self._viewport.render_window
         begin = time.perf_counter()
         window.Render()

@@ -227,7 +227,8 @@ class ViewArea(QWidget):
             pictures = self.pair_pictures()
             if pictures is not None:
                 difference.set_complete(*pictures)
-        # another time for every picture that the host draws; what follows a full one at rest only makes it smoother
+        # the status holds the drawing time, so it differs for every new image; the number of averaged samples is left
+        # out, because averaging at rest only smooths an image that is complete already
         drawn = [replace(pane.display.status, samples=1) for pane in pair]
         if drawn != self._completed:
             self._completed = drawn

@@ -26,9 +26,12 @@ def texture_to_world(volume: Any, texels: Any) -> Matrix:
 
 
 def about(volume: Any, to_world: Matrix) -> Matrix:
-    """A 4 x 4 matrix to the world as one to world units from the middle of the volume, which shaders light in."""
+    """The 4 x 4 matrix `to_world` with its origin moved to the centre of the volume.
+
+    Shaders compute lighting in these centred world coordinates: far from the world's origin, float32 could not
+    tell one voxel from the next. The centre is subtracted here, in float64.
+    """
     moved = to_world.copy()
-    # in float64, before shaders round to float32
     moved[:3, 3] -= volume.center
     return moved
 
