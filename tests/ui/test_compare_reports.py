@@ -93,7 +93,7 @@ def _changed(technique: str, **values: object) -> object:
 def test_convergence_comes_back_with_slopes_and_can_be_cancelled(
     window: MainWindow, tmp_path: Path, wait_for: Wait
 ) -> None:
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     choose_technique(window.store, "slicing", view=1)
     wait_for(lambda: is_complete(window))
     panel = window.compare_panel
@@ -125,7 +125,7 @@ def test_convergence_comes_back_with_slopes_and_can_be_cancelled(
 def test_a_report_that_cannot_be_made_is_told_in_one_sentence(
     window: MainWindow, tmp_path: Path, wait_for: Wait
 ) -> None:
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     said: list[str] = []
     window.reports.process.failed.connect(said.append)
     arguments = ["compare", str(tmp_path / "none.nrrd"), "-t", "raycast", "-t", "slicing", "-o", "r.html"]

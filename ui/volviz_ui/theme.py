@@ -167,6 +167,12 @@ def style_sheet(colors: Colors) -> str:
     QToolTip {{
         background: {c.tooltip}; color: {c.tooltip_text}; border: 1px solid {c.border}; padding: 4px 6px;
     }}
+    QFrame#palette {{ background: {c.panel}; border: 1px solid {c.border}; }}
+    QFrame#palette QListView {{ background: {c.panel}; }}
+    QLineEdit#palette_line {{
+        background: {c.base}; border: 1px solid {c.border}; border-radius: 5px; padding: 5px 6px;
+    }}
+    QLineEdit#palette_line:focus {{ border-color: {c.accent}; }}
     QFrame#banner {{ background: {c.panel}; border: 1px solid {c.border}; border-radius: 6px; }}
     """
 

@@ -171,13 +171,6 @@ class Display(QObject):
         """Window depth of opaque geometry at a device pixel of the viewport, from the upper left; None = nothing."""
         return None if self.handle is None else self.handle.opaque_depth(column, row)
 
-    def complete(self) -> None:
-        """Finish the picture now, however long it takes."""
-        if self.handle is not None:
-            while not self.handle.refine(budget=1.0):
-                pass
-            self._viewport.repaint()
-
     # ------------------------------------------------------------------ from the scene to the picture
 
     def show_volume(self, volume: Volume | None) -> None:

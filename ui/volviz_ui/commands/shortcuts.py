@@ -1,10 +1,9 @@
-"""The page of shortcuts (`?`): keys as the actions have them, and what the mouse does."""
+"""The page of shortcuts (`?`): keys as the table of commands has them, and what the mouse does."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
@@ -15,6 +14,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from volviz_ui.commands.command import Command, State, keys_in_words, plain
 from volviz_ui.panels.panel import quiet_label
 
 WORDS_WIDTH = 190
@@ -25,27 +25,36 @@ class ShortcutsDialog(QDialog):
 
     Parameters
     ----------
-    groups : iterable of (heading, actions)
-        The menus; actions without a key are left out.
+    commands : iterable of (path, Command)
+        All commands, each with the titles of the menus that lead to it; those without a key are left out.
+    state : State
+        For texts that follow it.
     """
 
-    def __init__(self, groups: Iterable[tuple[str, list[QAction]]], parent: QWidget | None = None) -> None:
+    def __init__(
+        self,
+        commands: Iterable[tuple[tuple[str, ...], Command]],
+        state: State,
+        parent: QWidget | None = None,
+    ) -> None:
         super().__init__(parent)
         self.setWindowTitle(self.tr("Shortcuts"))
         columns = QHBoxLayout()
         columns.setSpacing(40)
-        filled = [(title, [a for a in actions if not a.shortcut().isEmpty()]) for title, actions in groups]
-        filled = [(title, actions) for title, actions in filled if actions]
-        total = sum(len(actions) + 2 for _title, actions in filled)
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for path, command in commands:
+            if keys := keys_in_words(command):
+                groups.setdefault(path[0], []).append((plain(command.words(state)), keys))
+        mouse = self._mouse()
+        total = sum(len(rows) + 2 for rows in [*groups.values(), mouse])
         left, right = QVBoxLayout(), QVBoxLayout()
         tables: dict[QVBoxLayout, list[QGridLayout]] = {left: [], right: []}
         used = 0
-        for title, actions in filled:
-            rows = [(a.text().replace("&", ""), _keys(a)) for a in actions]
+        for title, rows in groups.items():
             column = left if used < total / 2 else right
             tables[column].append(self._table(title, rows))
-            used += len(actions) + 2
-        tables[right].append(self._table(self.tr("Mouse in the viewport"), self._mouse()))
+            used += len(rows) + 2
+        tables[right].append(self._table(self.tr("Mouse in the viewport"), mouse))
         for column, grids in tables.items():
             # the keys of all groups of a column stand below one another
             widest = max(
@@ -93,9 +102,3 @@ class ShortcutsDialog(QDialog):
         grid.setColumnMinimumWidth(1, 130)
         grid.setColumnStretch(1, 1)
         return grid
-
-
-def _keys(action: QAction) -> str:
-    return ",  ".join(
-        sequence.toString(sequence.SequenceFormat.NativeText) for sequence in action.shortcuts()
-    )

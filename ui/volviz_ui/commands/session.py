@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject, QStandardPaths
 from PySide6.QtWidgets import QFileDialog, QMessageBox
@@ -11,25 +11,22 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 from volviz.custom_gl.registry import techniques
 from volviz.errors import VolvizError
 from volviz.model.session import SUFFIX, load_session, save_session
+from volviz_ui.app_context import AppContext
 from volviz_ui.autosave import left_behind
-from volviz_ui.dialogs.error import show_error
-
-if TYPE_CHECKING:
-    from volviz_ui.main_window import MainWindow
 
 
 class SessionCommands(QObject):
     """Saves and restores the whole scene for the window."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self._window = window
+    def __init__(self, context: AppContext) -> None:
+        super().__init__(context.window)
+        self._context = context
         self._filter = self.tr("VolViz sessions (*%1)").replace("%1", SUFFIX)
 
     def open_session(self) -> None:
         """Ask for a session file and open it."""
         path, _filter = QFileDialog.getOpenFileName(
-            self._window, self.tr("Open a session"), self._window.preferences.folder, self._filter
+            self._context.window, self.tr("Open a session"), self._context.preferences.folder, self._filter
         )
         if path:
             self.open_path(path)
@@ -39,18 +36,20 @@ class SessionCommands(QObject):
         try:
             scene = load_session(path, settings_of)
         except VolvizError as error:
-            show_error(self._window, self.tr("%1 was not opened").replace("%1", Path(path).name), error)
+            self._context.messages.show_error(
+                self.tr("%1 was not opened").replace("%1", Path(path).name), error
+            )
             return False
-        self._window.documents.open_scene(scene)
+        self._context.documents.open_scene(scene)
         return True
 
     def save_session(self) -> None:
         """Ask for a file and save the scene."""
-        if self._window.store.scene.layer is None:
+        if self._context.store.scene.layer is None:
             return
-        start = str(Path(self._window.preferences.folder) / f"session{SUFFIX}")
+        start = str(Path(self._context.preferences.folder) / f"session{SUFFIX}")
         path, _filter = QFileDialog.getSaveFileName(
-            self._window, self.tr("Save the session"), start, self._filter
+            self._context.window, self.tr("Save the session"), start, self._filter
         )
         if path:
             self.save_path(path if path.endswith(".json") else path + SUFFIX)
@@ -58,11 +57,11 @@ class SessionCommands(QObject):
     def save_path(self, path: str | Path) -> bool:
         """Save the scene; False when it cannot be written (and that was told)."""
         try:
-            save_session(self._window.store.scene, path)
+            save_session(self._context.store.scene, path)
         except VolvizError as error:
-            show_error(self._window, self.tr("The session was not saved"), error)
+            self._context.messages.show_error(self.tr("The session was not saved"), error)
             return False
-        self._window.status_line.showMessage(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
+        self._context.messages.show_status(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
         return True
 
     def offer_restore(self, folder: Path) -> QMessageBox | None:
@@ -70,7 +69,7 @@ class SessionCommands(QObject):
         path = left_behind(folder)
         if path is None:
             return None
-        box = QMessageBox(self._window)
+        box = QMessageBox(self._context.window)
         box.setWindowTitle("VolViz")
         box.setText(self.tr("VolViz did not end properly last time. Restore what was shown then?"))
         restore = box.addButton(self.tr("Restore"), QMessageBox.ButtonRole.AcceptRole)
