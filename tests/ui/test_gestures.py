@@ -70,7 +70,7 @@ def test_a_wheel_during_the_drag_of_a_setting_leaves_it_one_step(window: MainWin
     move_held(slider, start + QPoint(30, 0))
     QTest.mouseRelease(slider, LEFT, NONE, start + QPoint(30, 0))
     assert current_settings(window.store.scene) != before
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert current_settings(window.store.scene) == before
     assert window.store.undo_label is None
 
@@ -93,7 +93,7 @@ def test_a_drag_that_moves_a_knob_says_nothing_of_the_camera(window: MainWindow,
 def test_a_view_closed_while_it_is_dragged_ends_its_gesture_and_keeps_the_camera(
     window: MainWindow, wait_for: Wait, closed: int
 ) -> None:
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     wait_for(lambda: is_complete(window))
     viewport = window.views.panes[1].viewport
     middle = viewport.rect().center()
@@ -113,7 +113,7 @@ def test_a_view_made_during_a_drag_is_completed_after_it(window: MainWindow, wai
     middle = window.viewport.rect().center()
     QTest.mousePress(window.viewport, LEFT, NONE, middle)
     move_held(window.viewport, middle + QPoint(40, 20))
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     QTest.qWait(300)
     assert not any(pane.display.is_complete for pane in window.views.panes)
     QTest.mouseRelease(window.viewport, LEFT, NONE, middle + QPoint(40, 20))
@@ -145,6 +145,6 @@ def test_an_isovalue_dragged_in_the_plot_is_one_step(window: MainWindow, wait_fo
             QTest.keyClick(plot, Qt.Key.Key_Escape)
         QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(30, 0))
         if end == "release":
-            window.actions_.undo.trigger()
+            window.commands["edit.undo"].trigger()
         assert current_settings(window.store.scene) == before
         assert window.store.undo_label is None

@@ -109,19 +109,6 @@ class MainWindow(QMainWindow):
         self.messages = WindowMessages(self, self.documents, self.views)
         self.docks = Docks(self)
         self.surface = Surface(self.store, self.workers, self)
-<<<<<<< HEAD
-        self.reports = Reports(self, self.compare_panel)
-        self.file_commands = FileCommands(self)
-        self.session_commands = SessionCommands(self)
-        self.view_commands = ViewCommands(self)
-        self.actions_ = Actions(self)
-        self.menus = Menus(self)
-        self.action_states = ActionStates(self.store, self.actions_, self.surface, self)
-        self.pointer = Pointer(
-            self.store, self.documents, self.views, self.status_line, self.transfer_editor, self
-        )
-        self._last_error: BaseException | None = None
-=======
         self.context = AppContext(
             window=self,
             store=self.store,
@@ -136,7 +123,6 @@ class MainWindow(QMainWindow):
         )
         self._make_panels()
         self._make_commands()
->>>>>>> main
         self._panel_timer = QTimer(self)
         self._panel_timer.setSingleShot(True)
         self._panel_timer.setInterval(0)
@@ -189,7 +175,7 @@ class MainWindow(QMainWindow):
             store, documents, views, workers, self.compare_panel.distances, self.measurements.meshes, self
         )
         self.reports = Reports(self.context, self.compare_panel)
-        self.pointer = Pointer(documents, views, self.messages.status_line, self.transfer_editor, self)
+        self.pointer = Pointer(store, documents, views, self.messages.status_line, self.transfer_editor, self)
 
     def _make_commands(self) -> None:
         context = self.context
