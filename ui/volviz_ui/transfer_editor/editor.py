@@ -160,9 +160,9 @@ class TransferEditor(QWidget):
             self.model.apply(TransferFunction.auto(self.model.volume), self.tr("Automatic function"), ())
 
     def close_workers(self) -> None:
-        """Stop counting and wait, before the program ends."""
-        self.counter.wait()
-        self.joint.wait()
+        """Stop counting: the window closes."""
+        self.counter.close()
+        self.joint.close()
 
     # ------------------------------------------------------------------ building
 

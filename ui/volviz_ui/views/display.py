@@ -72,6 +72,7 @@ class Display(QObject):
         self.handle: Any = None
         self.pacer = Pacer(store, self)
         self.pacer.completed.connect(viewport.render)
+        self.pacer.frame_wanted.connect(viewport.render)
         self.pacer.failed.connect(self._on_failed)
         # the host tells its status while it draws; what listens must not run inside the drawing
         self._status_arrived.connect(self.status_changed, Qt.ConnectionType.QueuedConnection)

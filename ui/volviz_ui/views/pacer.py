@@ -7,9 +7,12 @@ from typing import Any
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.model.store import Store
+from volviz_ui.gui_thread import Delivery
 
 BUDGET_SECONDS = 0.03
 """Time of one turn; the window answers in between."""
+WAITING_MS = 100
+"""While the picture waits for work in the background, it is asked this often how far that is."""
 
 
 class Pacer(QObject):
@@ -18,6 +21,8 @@ class Pacer(QObject):
     completed = Signal()
     """The complete picture is ready to be shown."""
     failed = Signal(object)
+    frame_wanted = Signal()
+    """There is more to be seen during a gesture."""
 
     def __init__(self, store: Store, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -26,13 +31,23 @@ class Pacer(QObject):
         self._paused = False
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
-        self._timer.setInterval(0)
         self._timer.timeout.connect(self._turn)
+        self._deliver_wake = Delivery(self._on_woken)
 
     def request(self, handle: Any) -> None:
         """Called by the host while it draws an incomplete picture."""
         self._handle = handle
         self.go_on()
+
+    def wake(self, _handle: Any) -> None:
+        """Called by the host, on any thread, when something is ready for which the picture has waited."""
+        self._deliver_wake()
+
+    def _on_woken(self) -> None:
+        if self._store.is_interacting:
+            self.frame_wanted.emit()
+        else:
+            self.go_on()
 
     def pause(self) -> None:
         """Somebody else completes the picture, until `resume`: frame times are being measured."""
@@ -47,7 +62,7 @@ class Pacer(QObject):
     def go_on(self) -> None:
         """Take up what was left when a gesture began."""
         if self._may_draw:
-            self._timer.start()
+            self._timer.start(0)
 
     @property
     def _may_draw(self) -> bool:
@@ -76,4 +91,4 @@ class Pacer(QObject):
             self._handle = None
             self.completed.emit()
         elif not self._timer.isActive():
-            self._timer.start()
+            self._timer.start(WAITING_MS if self._handle.is_waiting else 0)
