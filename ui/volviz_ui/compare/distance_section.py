@@ -12,8 +12,9 @@ from volviz_ui.binding import show_value
 from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.panel import Section, quiet_label
-from volviz_ui.progress_bar import ProgressBar
+from volviz_ui.panels.panel import Section
+from volviz_ui.widgets.progress_bar import ProgressBar
+from volviz_ui.widgets.small import quiet_label
 
 LEAST, MOST = 1e-9, 1e9
 """Limits of the scale, in world units."""

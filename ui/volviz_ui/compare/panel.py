@@ -17,9 +17,10 @@ from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figure_table import FigureTable
 from volviz_ui.compare.figures import PairFigures
 from volviz_ui.compare.look_section import LookSection
-from volviz_ui.panels.focus_order import set_focus_order
-from volviz_ui.panels.panel import Panel, Section, quiet_label
-from volviz_ui.progress_bar import ProgressBar
+from volviz_ui.panels.panel import Panel, Section
+from volviz_ui.widgets.focus_order import set_focus_order
+from volviz_ui.widgets.progress_bar import ProgressBar
+from volviz_ui.widgets.small import quiet_label
 
 NARROW = "\N{NARROW NO-BREAK SPACE}"
 
