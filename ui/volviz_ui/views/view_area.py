@@ -252,6 +252,10 @@ class ViewArea(QWidget):
             seen.append(over(picture, background_picture(self._store.scene.background, (width, height))))
         return seen[0], seen[1]
 
+    def show_figures(self, figures: Any) -> None:
+        """Show where the compared pictures are alike, as was measured of them (`PairFigures`)."""
+        self.arrangement.difference.set_similarity(figures.similarity)
+
     # ------------------------------------------------------------------ gestures
 
     def begin_gesture(self) -> None:
