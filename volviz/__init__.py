@@ -23,15 +23,21 @@ if TYPE_CHECKING:
     from volviz.mesh import extract_isosurface as extract_isosurface
     from volviz.model.camera import Camera as Camera
     from volviz.model.clipping import Clipping as Clipping
+    from volviz.model.layers import ImageLayer as ImageLayer
+    from volviz.model.layers import LabelLayer as LabelLayer
     from volviz.model.light import Light as Light
     from volviz.model.transfer_function import TransferFunction as TransferFunction
     from volviz.model.volume import Volume as Volume
-    from volviz.offscreen import render as render
+    from volviz.renderer import Renderer as Renderer
+    from volviz.renderer import render as render
 
 _PUBLIC = {
     "Camera": "volviz.model.camera",
     "Clipping": "volviz.model.clipping",
+    "ImageLayer": "volviz.model.layers",
+    "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
+    "Renderer": "volviz.renderer",
     "TransferFunction": "volviz.model.transfer_function",
     "Volume": "volviz.model.volume",
     "VolumeHandle": "volviz.custom_gl.host",
@@ -41,7 +47,7 @@ _PUBLIC = {
     "load": "volviz.io",
     "marching_cubes": "volviz.kernels.marching",
     "presets": "volviz.api",
-    "render": "volviz.offscreen",
+    "render": "volviz.renderer",
     "show": "volviz.api",
     "techniques": "volviz.api",
 }

@@ -16,11 +16,11 @@ from PySide6.QtWidgets import QApplication, QCheckBox
 
 from tests.ui.conftest import settle
 from volviz.errors import LoadError
-from volviz.model.layers import VolumeRef
 from volviz.model.light import Light
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeRef
 from volviz_ui.binding import send_value, show_value
 from volviz_ui.volume_cache import VolumeCache
 from volviz_ui.workers import Task, Workers

@@ -13,10 +13,11 @@ from PySide6.QtTest import QTest
 
 from tests.ui.conftest import drag, is_complete, picture
 from volviz.custom_gl.scene_techniques import choose_technique
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.scene import Scene
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
+from volviz.volume_data.references import VolumeRef
 from volviz_ui.main_window import MainWindow
 from volviz_ui.script import script_of
 

@@ -7,7 +7,7 @@ import sys
 
 CODE = """
 import sys, volviz
-from volviz.compare.match_vtk import match
+from volviz.compare.matching import match
 from volviz.model.parameters import make_settings
 info = volviz.techniques()["raycast"]
 match("raycast", make_settings(info.settings, {}, owner="raycast"), "vtk_gpu")

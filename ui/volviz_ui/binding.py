@@ -1,7 +1,8 @@
-"""The two ways in which a widget and the store are tied together; there is no third.
+"""Ties a widget to one value of the scene, in either direction.
 
-`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both
-hold the widget weakly: a closed panel disappears although the store lives on.
+`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both hold the
+widget weakly: a closed panel disappears although the store lives on. Commands and gestures that change more than
+the value of one widget call `Store.update` themselves.
 """
 
 from __future__ import annotations

@@ -12,12 +12,13 @@ from PySide6.QtCore import QObject, Signal
 
 from volviz.custom_gl.gpu.scalars import bricks_of
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.layers import ImageLayer, LabelLayer, VolumeRef
+from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-from volviz_ui.volume_cache import VolumeCache, content_id
+from volviz.volume_data.references import VolumeRef, content_id
+from volviz_ui.volume_cache import VolumeCache
 from volviz_ui.workers import Task, Workers
 
 SAMPLE_PREFIX = "sample:"

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from pathlib import Path
 
-from volviz.model.layers import VolumeRef
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeRef
 
 DEFAULT_BUDGET = 1 << 30
 """Bytes of arrays that are kept."""
@@ -52,13 +51,3 @@ class VolumeCache:
     def clear(self) -> None:
         """Forget all volumes."""
         self._volumes.clear()
-
-
-def content_id(source: str) -> str:
-    """What changes when a file changes: its size and time of modification; empty for what is no file."""
-    path = Path(source)
-    try:
-        stat = path.stat()
-    except OSError:
-        return ""
-    return f"{stat.st_size:x}-{stat.st_mtime_ns:x}"

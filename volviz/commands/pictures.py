@@ -99,7 +99,7 @@ def draw(
     from volviz.framing import default_camera
     from volviz.model.parameters import make_settings
     from volviz.model.transfer_function import TransferFunction
-    from volviz.offscreen import render
+    from volviz.renderer import render
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")

@@ -1,4 +1,9 @@
-"""Which settings the sides of a comparison get, and what they do differently all the same, in words."""
+"""Which settings the sides of a comparison get, and what they do differently all the same, in words.
+
+Settings of the same name mean the same almost everywhere, so matching copies values. What a technique cannot follow it
+declares in its folder (`volviz.custom_gl.matching`): VTK's ray caster samples the far ends of whole steps, whatever
+ours does. So ours follows where it can, and a sentence says what stays different where it cannot.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +11,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from volviz.compare.match_vtk import are_counterparts, differences, follow, match
+from volviz.custom_gl.matching import Side
+from volviz.custom_gl.registry import are_counterparts
 from volviz.custom_gl.registry import technique as technique_info
-from volviz.model.parameters import make_settings
+from volviz.errors import SettingError
+from volviz.model.light import Light
+from volviz.model.parameters import make_settings, parameters_of
 
 if TYPE_CHECKING:
     from volviz.compare.results import SideResult
     from volviz.custom_gl.technique import TechniqueInfo
-    from volviz.model.light import Light
 
 
 @dataclass(frozen=True)
@@ -109,6 +116,96 @@ def _words(
         for other in sides
         if other is not side
     }
+
+
+def match(technique: str, settings: Any, other: str, *, light: Light | None = None) -> tuple[Any, list[str]]:
+    """Settings of another technique that stand for those of the first, and what differs all the same.
+
+    Parameters
+    ----------
+    technique : str
+        Id of the technique that is set, ours or VTK's.
+    settings : object
+        Its settings.
+    other : str
+        Id of the technique that shall follow.
+    light : Light, optional
+        The light of the scene; without it, it sits at the eye.
+
+    Returns
+    -------
+    settings : object
+        Instance of the settings class of `other`.
+    differences : list of str
+        A sentence each.
+
+    Raises
+    ------
+    InputError
+        There is no such technique.
+    """
+    source, info = technique_info(technique), technique_info(other)
+    values: dict[str, Any] = {}
+    known = {p.name: p for p in info.parameters}
+    wanted = {p.name: getattr(settings, p.name) for p in parameters_of(type(settings))}
+    wanted |= source.matching.fixed
+    if wanted.get("shading") is False:
+        wanted |= info.matching.unlit
+    if source.matching.unlit:
+        wanted["shading"] = any(wanted[name] != value for name, value in source.matching.unlit.items())
+    for one, another in ((source, info), (info, source)):
+        for name in one.matching.other_meaning.get(another.id, ()):
+            wanted.pop(name, None)
+    for name, value in wanted.items():
+        if name in known:
+            try:
+                values[name] = known[name].checked(value)
+            except SettingError:
+                continue
+    followed = make_settings(info.settings, values, owner=other)
+    return followed, differences(technique, settings, other, followed, light=light)
+
+
+def follow(technique: str, values: Mapping[str, Any], other: str) -> dict[str, Any]:
+    """Values by name, with those replaced that another technique can have in one way only."""
+    known = {p.name for p in technique_info(technique).parameters}
+    fixed = technique_info(other).matching.fixed
+    return dict(values) | {name: value for name, value in fixed.items() if name in known}
+
+
+def differences(
+    first: str, first_settings: Any, second: str, second_settings: Any, *, light: Light | None = None
+) -> list[str]:
+    """What two techniques with these settings do differently beside plain unequal settings, a sentence each.
+
+    Parameters
+    ----------
+    first, second : str
+        Ids of the techniques, in any order.
+    first_settings, second_settings : object
+        Their settings.
+    light : Light, optional
+        The light of the scene; without it, it sits at the eye.
+    """
+    infos = technique_info(first), technique_info(second)
+    if first == second or not are_counterparts(first, second):
+        return []
+    sides = [
+        _side(info, settings, light or Light())
+        for info, settings in zip(infos, (first_settings, second_settings), strict=True)
+    ]
+    sentences = []
+    for info, (it, other) in zip(infos, (sides, sides[::-1]), strict=True):
+        values = {p.name: getattr(other.settings, p.name) for p in parameters_of(type(other.settings))}
+        words = values | {"it": it.id, "other": other.id, "its_mode": it.get("mode")}
+        sentences += [rule.words.format(**words) for rule in info.matching.rules if rule.when(it, other)]
+    return sentences
+
+
+def _side(info: TechniqueInfo, settings: Any, light: Light) -> Side:
+    ours = info.kind == "image"
+    extraction = {"method": info.extraction} if ours and info.extraction else {}
+    return Side(info.id, ours, settings, {**extraction, **info.matching.fixed}, light)
 
 
 def side_names(techniques: Sequence[str]) -> list[str]:

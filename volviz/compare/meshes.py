@@ -9,14 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.compare.vtk_contours import vtk_contour
+from volviz.custom_gl.registry import technique as technique_info
 from volviz.kernels.marching.surface import clean_mesh
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.volume import Volume
 
 Mesh = tuple[npt.NDArray[Any], npt.NDArray[Any]]
-
-_FILTERS = {"vtk_marching_cubes": "vtkMarchingCubes", "vtk_flying_edges": "vtkFlyingEdges3D"}
-_OURS = ("marching_cubes", "marching_tetrahedra")
 
 
 def side_mesh(volume: Volume, technique: str, settings: Mapping[str, Any]) -> Mesh | None:
@@ -64,14 +62,15 @@ def drawn_mesh(
     tuple or None
         Vertices (V, 3) in the world and faces (F, 3).
     """
-    if technique not in _FILTERS and technique not in _OURS:
+    info = technique_info(technique)
+    if not info.extraction:
         return None
     isovalue = settings.get("isovalue")
     if isovalue is None:
         isovalue = auto_isovalue(volume)
-    if technique in _FILTERS:
-        return vtk_contour(_as_drawn(volume, int(settings.get("stride", 1))), isovalue, _FILTERS[technique])
-    return _ours(volume, technique, isovalue, settings, cancel)
+    if info.kind == "prop":
+        return vtk_contour(_as_drawn(volume, int(settings.get("stride", 1))), isovalue, info.extraction)
+    return _ours(volume, str(settings.get("method", info.extraction)), isovalue, settings, cancel)
 
 
 def _as_drawn(volume: Volume, stride: int) -> Volume:
@@ -87,7 +86,7 @@ def _as_drawn(volume: Volume, stride: int) -> Volume:
 
 def _ours(
     volume: Volume,
-    technique: str,
+    method: str,
     isovalue: float,
     settings: Mapping[str, Any],
     cancel: Callable[[], bool] | None,
@@ -99,7 +98,7 @@ def _ours(
         extract_isosurface(
             volume,
             isovalue,
-            "tetrahedra" if technique == "marching_tetrahedra" else str(settings.get("method", "lorensen")),
+            method,
             stride=int(settings.get("stride", 1)),
             normals=None,
             largest_part=parts == "largest",

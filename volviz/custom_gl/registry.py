@@ -51,3 +51,25 @@ def technique(technique_id: str) -> TechniqueInfo:
     if technique_id not in known:
         raise InputError(f"there is no technique called {technique_id!r}; there are {', '.join(known)}.")
     return known[technique_id]
+
+
+@lru_cache(maxsize=1)
+def families() -> tuple[tuple[TechniqueInfo, ...], ...]:
+    """Techniques that show the same thing: ours, followed by those that name one of them as a counterpart."""
+    joined = {ident: {ident} for ident in techniques()}
+    for ident, info in techniques().items():
+        for other in info.counterpart_of:
+            if other in joined:
+                family = joined[ident] | joined[other]
+                joined |= dict.fromkeys(family, family)
+    order = list(techniques())
+    distinct = dict.fromkeys(tuple(sorted(family, key=order.index)) for family in joined.values())
+    return tuple(
+        tuple(sorted((techniques()[ident] for ident in family), key=lambda info: bool(info.counterpart_of)))
+        for family in distinct
+    )
+
+
+def are_counterparts(first: str, second: str) -> bool:
+    """Whether two techniques show the same thing, so that their pictures can be compared."""
+    return first == second or any({first, second} <= {info.id for info in family} for family in families())

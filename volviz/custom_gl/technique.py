@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES
+from volviz.custom_gl.matching import Matching
+from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES, CommonSettings, common_settings
 from volviz.kernels.slices import crop_corners
-from volviz.model.parameters import Cost, Parameter, parameters_of
+from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import Cost, Parameter, parameters_of, setting_values
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.context import Gpu
@@ -73,6 +75,14 @@ class TechniqueInfo:
         Finds what is seen along a ray (`volviz.custom_gl.picking.Sight`); None where the first visible place is meant.
     needs_textures : bool
         Whether an image technique reads `Frame.resources`; those of the kind "prop" never do.
+    isovalue_setting : str
+        Name of the setting that holds the isovalue, or the isovalues, of the surfaces that it shows, in data units and
+        None for automatic; empty for techniques that show none.
+    matching : Matching
+        How its settings meet those of its counterparts.
+    extraction : str
+        How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
+        it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
     """
 
     id: str
@@ -92,6 +102,9 @@ class TechniqueInfo:
     needs_textures: bool = True
     colors_surface: bool = False
     pick: Callable[[Sight], Picked | None] | None = None
+    isovalue_setting: str = ""
+    matching: Matching = field(default_factory=Matching)
+    extraction: str = ""
 
     @property
     def uses_textures(self) -> bool:
@@ -102,6 +115,27 @@ class TechniqueInfo:
     def parameters(self) -> tuple[Parameter, ...]:
         """Descriptions of its settings."""
         return parameters_of(self.settings)
+
+    @property
+    def isovalue_parameter(self) -> Parameter | None:
+        """Description of the setting that holds its isovalues; None where it shows no isosurface."""
+        return next((p for p in self.parameters if p.name == self.isovalue_setting), None)
+
+    def isovalues(self, settings: Any, volume: Volume) -> tuple[float, ...]:
+        """Values of the isosurfaces that it shows of a volume with these settings, in data units; empty for none."""
+        if not self.isovalue_setting:
+            return ()
+        value = getattr(settings, self.isovalue_setting)
+        if value is None:
+            return (float(auto_isovalue(volume)),)
+        return tuple(float(v) for v in value) if isinstance(value, tuple) else (float(value),)
+
+    def isovalue_values(self, isovalues: Sequence[float]) -> dict[str, Any]:
+        """The setting, by name, that shows surfaces of these values; one setting holds the first of them only."""
+        parameter = self.isovalue_parameter
+        if parameter is None:
+            return {}
+        return {parameter.name: tuple(isovalues) if parameter.kind == "floats" else isovalues[0]}
 
 
 def regions_unused(info: TechniqueInfo, settings: Any) -> str:
@@ -116,7 +150,7 @@ def regions_unused(info: TechniqueInfo, settings: Any) -> str:
     """
     if not info.by_gradient:
         return f"{info.label} draws the curve; regions over value and gradient wait."
-    mode = getattr(settings, "mode", "composite")
+    mode = common_settings(settings).mode
     if mode not in CLASSIFYING_MODES:
         label = dict(MODES).get(mode, mode)
         return f"{label} classifies one value per ray and draws the curve; regions wait."
@@ -135,7 +169,8 @@ def drawn_function(info: TechniqueInfo, settings: Any, function: TransferFunctio
 
 def surface_settings(settings: Any) -> dict[str, Any]:
     """The settings that decide which triangles a technique extracts, by name: those whose change costs `DATA`."""
-    return {p.name: getattr(settings, p.name) for p in parameters_of(type(settings)) if p.cost is Cost.DATA}
+    costs = {p.name: p.cost for p in parameters_of(type(settings))}
+    return {name: value for name, value in setting_values(settings).items() if costs[name] is Cost.DATA}
 
 
 @dataclass(frozen=True)
@@ -188,6 +223,12 @@ class Frame:
         In data units; with `by_gradient` only where regions are to be drawn (see `drawn_function`).
     settings : object
         Instance of the technique's settings class.
+    common : CommonSettings
+        The same as the parts that all techniques share read it.
+    isovalues : tuple of floats
+        Values of the isosurfaces to be shown, in data units (`TechniqueInfo.isovalue_setting`).
+    unit_distance : float
+        Length of ray to which the opacities of the transfer function refer, in world units.
     camera : FrameCamera
         Where the eye is.
     light_position : ndarray of shape (3,)
@@ -233,6 +274,9 @@ class Frame:
     resources: VolumeResources
     transfer_function: TransferFunction
     settings: Any
+    common: CommonSettings
+    isovalues: tuple[float, ...]
+    unit_distance: float
     camera: FrameCamera
     light_position: Matrix
     light_color: tuple[float, float, float]
@@ -297,13 +341,7 @@ class Frame:
     @property
     def step_world(self) -> float:
         """Distance between samples in world units (settings that have a ``step``)."""
-        return float(self.settings.step) * min(self.volume.spacing) * self.step_scale
-
-    @property
-    def unit_distance(self) -> float:
-        """Opacity unit distance in world units."""
-        chosen = getattr(self.settings, "opacity_unit_distance", None)
-        return self.volume.mean_spacing if chosen is None else float(chosen)
+        return float(self.common.step) * min(self.volume.spacing) * self.step_scale
 
     def program(
         self,
@@ -333,17 +371,17 @@ class Frame:
             Length of ray, in unit distances, to which opacities in the table of the transfer function belong; None
             is one.
         """
-        settings = self.settings
+        common = self.common
         shared: dict[str, object] = {
             "SCENE_DEPTH": self.scene_depth is not None,
-            "NEAREST": getattr(settings, "interpolation", "linear") == "nearest",
-            "SHADING": bool(getattr(settings, "shading", False)),
-            "GRADIENT_OPACITY": getattr(settings, "gradient_opacity", 0.0) > 0,
+            "NEAREST": common.interpolation == "nearest",
+            "SHADING": common.shading,
+            "GRADIENT_OPACITY": common.gradient_opacity > 0,
         }
         regions = self.transfer_function.by_gradient is not None
         chosen: dict[str, str | Path] = {
             "classify": "classify/regions.glsl" if regions else "classify/curve.glsl",
-            "shade": "shade/lit.glsl" if shared["SHADING"] else "shade/unlit.glsl",
+            "shade": "shade/lit.glsl" if common.shading else "shade/unlit.glsl",
         }
         program = self.gpu.programs.get(
             vertex,

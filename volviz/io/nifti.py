@@ -1,8 +1,8 @@
 """NIfTI-1, NIfTI-2 and Analyze 7.5 files.
 
-Read here and not by a library, because the readers at hand fill a file that is cut off with zeros without a
-word, straighten sheared axes without a word, round the geometry to six digits, and can be neither watched
-nor cancelled.
+Read here and not by a library: SimpleITK fills a file that is cut off with zeros without a warning, and refuses
+slightly sheared axes; nibabel refuses such a file, but, like SimpleITK, can neither report its progress nor be
+cancelled.
 
 Sources: the NIfTI-1 header ``nifti1.h`` (R. W. Cox, 2004) and ``nifti2.h`` (2011) for fields, data types,
 scaling and the three methods of orientation.

@@ -16,7 +16,7 @@ Color = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class View:
+class SceneView:
     """One viewport: technique, its settings, camera.
 
     Attributes
@@ -40,7 +40,7 @@ class View:
                 return value
         return default()
 
-    def with_settings(self, technique: str, settings: Any) -> View:
+    def with_settings(self, technique: str, settings: Any) -> SceneView:
         """The view with other settings for a technique."""
         others = tuple(pair for pair in self.settings if pair[0] != technique)
         return replace(self, settings=(*others, (technique, settings)))
@@ -56,7 +56,7 @@ class Scene:
         What is shown.
     light, clipping, background
         Shared by all views.
-    views : tuple of View
+    views : tuple of SceneView
         One, or two to four that are compared; they share one camera.
     active : int
         Number of the view that panels and keys act on.
@@ -68,7 +68,7 @@ class Scene:
     light: Light = Light()
     clipping: Clipping = Clipping()
     background: Color | None = None
-    views: tuple[View, ...] = (View(),)
+    views: tuple[SceneView, ...] = (SceneView(),)
     active: int = 0
     comparison: Comparison = Comparison()
 
@@ -78,7 +78,7 @@ class Scene:
         return next((layer for layer in self.layers if isinstance(layer, ImageLayer)), None)
 
     @property
-    def view(self) -> View:
+    def view(self) -> SceneView:
         """The view that panels and keys act on."""
         return self.views[self.active_index]
 
@@ -87,7 +87,7 @@ class Scene:
         """Number of the active view, within those that there are."""
         return min(max(self.active, 0), len(self.views) - 1)
 
-    def view_at(self, index: int | None = None) -> View:
+    def view_at(self, index: int | None = None) -> SceneView:
         """A view by its number: the active one for None, the last one when there are not so many."""
         return self.view if index is None else self.views[min(index, len(self.views) - 1)]
 
@@ -104,8 +104,13 @@ class Scene:
         return pair if pair is not None and overlaid else tuple(range(len(self.views)))
 
     def with_layer(self, **changes: Any) -> Scene:
-        """The scene with the first image layer changed; without one, as it is."""
+        """The scene with the first image layer changed; without one, as it is.
+
+        A transfer function takes the place of a colour and window.
+        """
         first = self.layer
+        if changes.get("transfer_function") is not None:
+            changes = {"color": None, "window": None, **changes}
         changed = tuple(replace(each, **changes) if each is first else each for each in self.layers)
         return replace(self, layers=changed)
 

@@ -17,11 +17,12 @@ from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.comparison import MOST_VIEWS, Comparison
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.transfer_function import TransferFunction
+from volviz.volume_data.references import VolumeRef
 
 #: Version that this program writes.
 VERSION = 1
@@ -133,7 +134,7 @@ def load_session(path: str | os.PathLike[str], settings_of: SettingsOf) -> Scene
 
 
 def _layer_to_dict(layer: ImageLayer, folder: Path | None) -> dict[str, Any]:
-    ref = layer.volume
+    ref = layer.key.ref
     volume: dict[str, Any] = {"source": ref.source, "hints": dict(ref.hints), "content_id": ref.content_id}
     if folder is not None and Path(ref.source).is_absolute():
         with suppress(ValueError):  # another drive on Windows: there is no way from here to there
@@ -148,7 +149,7 @@ def _layer_to_dict(layer: ImageLayer, folder: Path | None) -> dict[str, Any]:
     }
 
 
-def _view_to_dict(view: View) -> dict[str, Any]:
+def _view_to_dict(view: SceneView) -> dict[str, Any]:
     settings = {
         technique: {p.name: getattr(values, p.name) for p in parameters_of(cast("Any", type(values)))}
         for technique, values in view.settings
@@ -160,7 +161,7 @@ def _view_to_dict(view: View) -> dict[str, Any]:
 def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -> Scene:
     light, clipping = data["light"], data["clipping"]
     position = light["position"]
-    views = tuple(_view(view, settings_of) for view in data["views"])[:MOST_VIEWS] or (View(),)
+    views = tuple(_view(view, settings_of) for view in data["views"])[:MOST_VIEWS] or (SceneView(),)
     return Scene(
         layers=tuple(_layer(layer, folder) for layer in data["layers"]),
         light=Light(
@@ -198,13 +199,12 @@ def _layer(data: dict[str, Any], folder: Path | None) -> ImageLayer:
         VolumeRef(source, hints, str(volume["content_id"])),
         None if data["transfer_function"] is None else TransferFunction.from_dict(data["transfer_function"]),
         str(data["name"]),
-        bool(data["visible"]),
-        int(data["channel"]),
-        int(data["time"]),
+        visible=bool(data["visible"]),
+        time=int(data["time"]),
     )
 
 
-def _view(data: dict[str, Any], settings_of: SettingsOf) -> View:
+def _view(data: dict[str, Any], settings_of: SettingsOf) -> SceneView:
     settings = []
     for technique, values in data["settings"].items():
         kind: Any = settings_of(technique)
@@ -215,8 +215,8 @@ def _view(data: dict[str, Any], settings_of: SettingsOf) -> View:
             settings.append((technique, make_settings(kind, kept, owner=technique)))
     technique = str(data["technique"])
     camera = data["camera"]
-    return View(
-        technique if settings_of(technique) is not None else View().technique,
+    return SceneView(
+        technique if settings_of(technique) is not None else SceneView().technique,
         tuple(settings),
         None if camera is None else _camera(camera),
     )

@@ -77,12 +77,7 @@ class Volume:
                 f"{name}: a volume needs a three-dimensional array (z, y, x), this one has "
                 f"{scalars.ndim} dimensions; choose one channel or time point."
             )
-        if min(scalars.shape) < 2:
-            sizes = " x ".join(str(n) for n in scalars.shape[::-1])
-            raise InputError(
-                f"{name}: a volume needs at least 2 voxels along every axis, this one has {sizes} (x, y, z); "
-                "open a stack of images instead of a single one."
-            )
+        check_dimensions(scalars.shape[::-1], name)
         if scalars.dtype.kind not in _KINDS:
             raise InputError(
                 f"{name}: values of type {scalars.dtype} cannot be shown; make them integers or real numbers."
@@ -99,11 +94,9 @@ class Volume:
         scalars.flags.writeable = False
 
         self.array: npt.NDArray[Any] = scalars
-        self.spacing: tuple[float, float, float] = finite_vector(spacing, f"{name}: spacing")
+        self.spacing: tuple[float, float, float] = checked_spacing(spacing, name)
         self.origin: tuple[float, float, float] = finite_vector(origin, f"{name}: origin")
-        if min(self.spacing) <= 0:
-            raise InputError(f"{name}: spacing must be greater than 0 along every axis, got {self.spacing}.")
-        self.direction: npt.NDArray[np.float64] = _direction(direction, name)
+        self.direction: npt.NDArray[np.float64] = checked_direction(direction, name)
         self.unit = str(unit)
         self.name = str(name)
         self.metadata: Mapping[str, Any] = MappingProxyType(dict(metadata or {}))
@@ -213,7 +206,32 @@ class Volume:
         return float(self.array[int(k), int(j), int(i)])
 
 
-def _direction(direction: npt.ArrayLike | None, name: str) -> npt.NDArray[np.float64]:
+def check_dimensions(dimensions: Sequence[int], name: str) -> None:
+    """Refuse, by an `InputError`, fewer than 2 voxels along one of the axes (x, y, z)."""
+    if min(dimensions) < 2:
+        sizes = " x ".join(str(n) for n in dimensions)
+        raise InputError(
+            f"{name}: a volume needs at least 2 voxels along every axis, this one has {sizes} (x, y, z); "
+            "open a stack of images instead of a single one."
+        )
+
+
+def checked_spacing(spacing: Sequence[float], name: str) -> tuple[float, float, float]:
+    """Distances along (x, y, z) as floats; `InputError` unless all are finite and greater than 0."""
+    checked = finite_vector(spacing, f"{name}: spacing")
+    if min(checked) <= 0:
+        raise InputError(f"{name}: spacing must be greater than 0 along every axis, got {checked}.")
+    return checked
+
+
+def checked_direction(direction: npt.ArrayLike | None, name: str) -> npt.NDArray[np.float64]:
+    """Directions of the index axes as a read-only 3 x 3 matrix of float64; None is the identity.
+
+    Raises
+    ------
+    InputError
+        Not a matrix with columns of unit length, or sheared by more than `SHEAR_LIMIT`.
+    """
     if direction is None:
         matrix = np.eye(3)
     else:

@@ -10,12 +10,13 @@ from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.own_presets import OwnPresets
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeRef
 from volviz_ui.transfer_editor import TransferEditor
 
 NONE = Qt.KeyboardModifier.NoModifier

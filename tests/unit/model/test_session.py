@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from volviz.errors import LoadError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.parameters import parameter
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.session import (
     VERSION,
     load_session,
@@ -26,6 +26,7 @@ from volviz.model.session import (
     scene_to_dict,
 )
 from volviz.model.transfer_function import TransferFunction
+from volviz.volume_data.references import VolumeRef
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ scenes = st.builds(
     clipping=st.sampled_from([Clipping(), Clipping((0, 5, 1, 4, 2, 9), (((0, 0, 1), (0, 0.6, 0.8)),))]),
     background=st.none() | colors,
     views=st.builds(
-        View,
+        SceneView,
         technique=st.sampled_from(["raycast", "slicing"]),
         settings=settings.map(lambda values: (("slicing", values),)),
         camera=st.none() | cameras,

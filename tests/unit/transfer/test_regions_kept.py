@@ -10,7 +10,7 @@ import pytest
 
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import drawn_function, regions_unused
-from volviz.model.layers import ImageLayer, VolumeRef
+from volviz.model.layers import ImageLayer
 from volviz.model.own_presets import OwnPresets
 from volviz.model.presets import Preset, preset_for
 from volviz.model.scene import Scene
@@ -19,6 +19,7 @@ from volviz.model.tf_formats import read_preset_file, read_transfer_function, wr
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeRef
 
 REGIONS = TransferFunction2D(
     (

@@ -9,10 +9,10 @@ from typing import Any
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.settings import SharedSettings
 from volviz.model.camera import Camera
-from volviz.model.layers import VolumeRef
 from volviz.model.light import Light
 from volviz.model.parameters import Parameter, parameters_of
 from volviz.model.scene import Scene
+from volviz.volume_data.references import VolumeRef
 
 
 def compare_arguments(

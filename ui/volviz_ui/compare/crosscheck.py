@@ -271,8 +271,9 @@ def _shown_surface(scene: Scene) -> tuple[float | None, str]:
     value = getattr(settings, "isovalue", None)
     if value is None:
         value = next(iter(getattr(settings, "isovalues", None) or ()), None)
-    method = "tetrahedra" if current_technique(scene).id == "marching_tetrahedra" else "lorensen"
-    return value, str(getattr(settings, "method", method)) if hasattr(settings, "parts") else "lorensen"
+    info = current_technique(scene)
+    own = info.extraction if info.kind == "image" else ""
+    return value, str(getattr(settings, "method", own)) or "lorensen"
 
 
 def table_rows(report: CrosscheckReport) -> list[tuple[str, list[str]]]:

@@ -83,7 +83,7 @@ class FrameTiming(QObject):
             return
         if not self._begun:
             # the same values again: the picture at hand no longer counts as theirs
-            handle.update()
+            handle.invalidate()
             self._begun = True
         done = handle.refine(budget=BUDGET_SECONDS)
         if done and handle.status.complete:

@@ -125,7 +125,7 @@ class Display(QObject):
         self._viewport.render()
 
     def frame_seconds(self) -> float:
-        """Draw VTK's frame around the picture at hand and wait until it is finished; gives its wall time in seconds."""
+        """Wall time in seconds of a frame of VTK that shows the finished image again, without drawing the volume."""
         window = self._viewport.render_window
         begin = time.perf_counter()
         window.Render()
@@ -209,13 +209,6 @@ class Display(QObject):
     def opaque_depth(self, column: int, row: int) -> float | None:
         """Window depth of opaque geometry at a device pixel of the viewport, from the upper left; None = nothing."""
         return None if self.handle is None else self.handle.opaque_depth(column, row)
-
-    def complete(self) -> None:
-        """Finish the picture now, however long it takes."""
-        if self.handle is not None:
-            while not self.handle.refine(budget=1.0):
-                pass
-            self._viewport.repaint()
 
     # ------------------------------------------------------------------ from the scene to the picture
 

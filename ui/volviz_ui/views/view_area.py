@@ -15,6 +15,7 @@ from volviz.model.camera import Camera
 from volviz.model.scene import Color, Scene
 from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
+from volviz.model.view_edits import with_active, with_comparison
 from volviz.model.volume import Volume
 from volviz_ui.documents import Documents
 from volviz_ui.views.arrangement import Arrangement
@@ -105,11 +106,6 @@ class ViewArea(QWidget):
         """Whether every picture that is shown is the complete one of the present scene."""
         return all(pane.display.is_complete for pane in self.shown_panes)
 
-    def complete(self) -> None:
-        """Finish all pictures now, however long it takes."""
-        for pane in self.shown_panes:
-            pane.display.complete()
-
     def _add_pane(self) -> Pane:
         pane = Pane(self, self._store, self._documents, self._add_volume, len(self.panes))
         viewport, display = pane.viewport, pane.display
@@ -193,7 +189,7 @@ class ViewArea(QWidget):
 
     def activate(self, view: int) -> None:
         """Let panels and keys act on another view."""
-        self._store.update(lambda scene: replace(scene, active=min(view, len(scene.views) - 1)), record=False)
+        self._store.update(partial(with_active, view=view), record=False)
 
     def close_view(self, view: int) -> None:
         """Close a view; the others stay."""
@@ -208,9 +204,7 @@ class ViewArea(QWidget):
             self.activate(pane.view)
 
     def _on_divider_moved(self, share: float) -> None:
-        self._store.update(
-            lambda scene: replace(scene, comparison=replace(scene.comparison, divider=share)), record=False
-        )
+        self._store.update(partial(with_comparison, divider=share), record=False)
 
     def _show_active(self, scene: Scene) -> None:
         for pane in self.panes:
@@ -233,7 +227,8 @@ class ViewArea(QWidget):
             pictures = self.pair_pictures()
             if pictures is not None:
                 difference.set_complete(*pictures)
-        # another time for every picture that the host draws; what follows a full one at rest only makes it smoother
+        # the status holds the drawing time, so it differs for every new image; the number of averaged samples is left
+        # out, because averaging at rest only smooths an image that is complete already
         drawn = [replace(pane.display.status, samples=1) for pane in pair]
         if drawn != self._completed:
             self._completed = drawn
@@ -328,6 +323,12 @@ class ViewArea(QWidget):
         self._shows_handles = on
         for pane in self.panes:
             pane.display.shows_handles = on
+
+    @property
+    def shown_names(self) -> frozenset[str]:
+        """What is switched on: names as for `show_scenery`, and "handles"."""
+        names = {name for name, on in self._shown.items() if on}
+        return frozenset(names | {"handles"} if self._shows_handles else names)
 
     def show_scenery(self, name: str, on: bool) -> None:
         """Switch box, axes, orientation marker or colour bar in all views."""

@@ -228,9 +228,15 @@ class VolumeResources:
         """Everything that `occupied` depends on; equal keys, equal bricks."""
         function = frame.transfer_function
         if function.by_gradient is None:
-            return function, _threshold(frame)
+            return function, frame.common.density_threshold
         known = gradient_bricks_if_ready(self.volume) is not None
-        return function, _threshold(frame), frame.interactive, known, _bricks_of_differences(frame)
+        return (
+            function,
+            frame.common.density_threshold,
+            frame.interactive,
+            known,
+            _bricks_of_differences(frame),
+        )
 
     def occupied(self, frame: Frame) -> npt.NDArray[np.bool_]:
         """Which bricks may hold anything visible, shape (b_z, b_y, b_x).
@@ -239,7 +245,7 @@ class VolumeResources:
         """
         table = self._baked(frame.transfer_function, interactive=frame.interactive)
         opacity = table.opacity.copy()
-        below = self._below(_threshold(frame), table.values, opacity.shape[1])
+        below = self._below(frame.common.density_threshold, table.values, opacity.shape[1])
         opacity[:, : max(below - 1, 0)] = 0.0
         bricks = bricks_of(self.volume)
         if table.gradients is None:
@@ -302,7 +308,8 @@ class VolumeResources:
         if "t_preintegrated" in units:
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
             program.use_texture(
-                "t_preintegrated", self.preintegrated(frame.transfer_function, size, _threshold(frame))
+                "t_preintegrated",
+                self.preintegrated(frame.transfer_function, size, frame.common.density_threshold),
             )
             program.set(
                 {
@@ -350,19 +357,14 @@ class VolumeResources:
 
 def _bricks_of_differences(frame: Frame) -> int:
     """Bricks that central differences reach beyond what the bounds of their own brick cover, one voxel."""
-    delta = float(getattr(frame.settings, "gradient_delta", 1.0))
-    return math.ceil(max(delta - 1.0, 0.0) / BRICK)
+    return math.ceil(max(frame.common.gradient_delta - 1.0, 0.0) / BRICK)
 
 
 def _margin(frame: Frame) -> int:
     """Bricks that empty space must keep away from what is visible: pre-integration looks at both ends of a step."""
-    if not getattr(frame.settings, "preintegrated", False):
+    if not frame.common.preintegrated:
         return 0
     return math.ceil((frame.step_world / min(frame.volume.spacing) + 1.0) / BRICK)
-
-
-def _threshold(frame: Frame) -> float:
-    return float(getattr(frame.settings, "density_threshold", 0.0))
 
 
 def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:

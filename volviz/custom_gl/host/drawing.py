@@ -20,10 +20,10 @@ from volviz.custom_gl.host.picture import Picture, PictureKey, area_of, composit
 from volviz.custom_gl.host.refinement import Refinement
 from volviz.custom_gl.host.renderer_view import RendererView
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
-from volviz.custom_gl.host.shown import Shown
 from volviz.custom_gl.host.shown_textures import ShownTextures
 from volviz.custom_gl.host.technique_runner import TechniqueRunner
 from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
+from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
 from volviz.errors import RenderError
 
@@ -53,7 +53,7 @@ class Drawing:
         Where they are shown.
     window : vtkRenderWindow
         Its window.
-    shown : Shown
+    shown : ResolvedSpec
         What they show to begin with.
     pacer : Pacer or None
         Of a window with an event loop; without one every picture is complete.
@@ -81,7 +81,7 @@ class Drawing:
     accumulates: bool = True
     on_gpu_clock: bool = False
 
-    def __init__(self, renderer: Any, window: Any, shown: Shown, pacer: Pacer | None) -> None:
+    def __init__(self, renderer: Any, window: Any, shown: ResolvedSpec, pacer: Pacer | None) -> None:
         self.renderer = renderer
         self.window = window
         self.view = RendererView(renderer, window)
@@ -130,7 +130,7 @@ class Drawing:
         """How far the technique's worker is with what the next picture needs, 0..1."""
         return float(self._runner.says("progress", 0.0))
 
-    def _show_instead(self, shown: Shown) -> None:
+    def _show_instead(self, shown: ResolvedSpec) -> None:
         """Draw this from now on."""
         before, self._shown = self._shown, shown
         if shown.info.id != before.info.id or shown.volume is not before.volume:
@@ -140,9 +140,13 @@ class Drawing:
         if before.surface_colors is not None and not shown.is_same_surface(before):
             # the last picture would stay until there is a new mesh, with colours that no longer mean anything
             self._picture = None
+        self.invalidate()
+        self._hook.set_corners(shown.box_corners)
+
+    def invalidate(self) -> None:
+        """Have the picture drawn anew by the next frame, though nothing it shows has changed."""
         self._revision += 1
         self.error = None
-        self._hook.set_corners(shown.box_corners)
 
     # ------------------------------------------------------------------ gestures
 

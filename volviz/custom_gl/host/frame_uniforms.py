@@ -20,13 +20,10 @@ MAX_PLANES = 6
 
 def shared_uniforms(frame: Frame) -> dict[str, Any]:
     """Values of the uniforms declared in ``glsl/``, by name; matrices are float64 arrays, row-major."""
-    volume, texels, settings = frame.volume, frame.resources.texels, frame.settings
+    volume, texels, common = frame.volume, frame.resources.texels, frame.common
     to_world = frame.texture_to_world
     scale, offset = texels.index_to_texture
     crop = np.array(frame.crop).reshape(3, 2)
-
-    def value(name: str, default: float) -> float:
-        return float(getattr(settings, name, default))
 
     uniforms: dict[str, Any] = {
         "u_clip_to_texture": np.linalg.inv(frame.texture_to_clip),
@@ -43,10 +40,10 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_scalar_map": (texels.scale, texels.offset),
         "u_voxels": tuple(1.0 / scale),
         "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
-        "u_gradient_delta": value("gradient_delta", 1.0),
-        "u_density_threshold": value("density_threshold", 0.0),
+        "u_gradient_delta": common.gradient_delta,
+        "u_density_threshold": common.density_threshold,
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
-        "u_gradient_opacity": value("gradient_opacity", 0.0),
+        "u_gradient_opacity": common.gradient_opacity,
         "u_inverse_gradient_scale": 1.0,
         "u_index_to_texture_scale": tuple(scale),
         "u_index_to_texture_offset": tuple(offset),
@@ -57,17 +54,16 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_light_color": frame.light_color,
         "u_flat_gradient": 1e-5 / volume.mean_spacing,
         "u_material": (
-            value("ambient", 0.25), value("diffuse", 0.75), value("specular", 0.25), value("shininess", 30.0),
+            common.ambient, common.diffuse, common.specular, common.shininess,
         ),
-        "u_first_sample": sample_phase(value("first_sample", 0.5), frame.sequence),
-        "u_early_termination": value("early_termination", 1.0 - 1.0 / 255.0),
-        "u_jitter": bool(getattr(settings, "jitter", False)),
+        "u_first_sample": sample_phase(common.first_sample, frame.sequence),
+        "u_early_termination": common.early_termination,
+        "u_jitter": common.jitter,
         "u_jitter_seed": float(frame.sequence),
-        "u_attenuation": value("attenuation", 1.0),
+        "u_attenuation": common.attenuation,
+        "u_step": frame.step_world,
     }  # fmt: skip
-    if hasattr(settings, "step"):
-        uniforms["u_step"] = frame.step_world
-    if value("gradient_opacity", 0.0) > 0:
+    if common.gradient_opacity > 0:
         uniforms["u_inverse_gradient_scale"] = 1.0 / frame.resources.gradient_scale
     uniforms |= frame.resources.brick_uniforms()
     uniforms |= frame.resources.table_uniforms(frame.transfer_function, interactive=frame.interactive)
@@ -75,9 +71,9 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
 
 
 def _planes(frame: Frame, to_world: Matrix) -> Matrix:
-    """Clip planes in texture coordinates, shape (MAX_PLANES, 4), for tests with one tolerance in lengths of the volume."""
+    """Clip planes in texture coordinates, shape (MAX_PLANES, 4), scaled for tests with one tolerance."""
     planes = np.zeros((MAX_PLANES, 4))
-    # a power of two rounds nothing
+    # distances in lengths of the volume, or nearly: dividing by a power of two rounds nothing
     unit = 2.0 ** -math.frexp(float(np.linalg.norm(frame.volume.extent)))[1]
     for row, (origin, normal) in enumerate(frame.planes):
         n = np.asarray(normal) * unit
@@ -132,9 +128,9 @@ def level_of_detail(frame: Frame) -> int:
     voxels that lie far apart.
     """
     moving = frame.interactive and frame.gpu.limits.software
-    if not moving and not getattr(frame.settings, "mipmaps", False):
+    if not moving and not frame.common.mipmaps:
         return 0
-    if getattr(frame.settings, "interpolation", "linear") == "nearest":
+    if frame.common.interpolation == "nearest":
         # labels must not be averaged
         return 0
     voxels = pixel_size(frame) / frame.volume.mean_spacing

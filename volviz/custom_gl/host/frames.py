@@ -16,7 +16,7 @@ from volviz.custom_gl.host.mesh_reading import read_triangles
 from volviz.custom_gl.host.no_textures import NoTextures
 from volviz.custom_gl.host.pacing import FULL, Level
 from volviz.custom_gl.host.renderer_view import RendererView
-from volviz.custom_gl.host.shown import Shown
+from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
 
 
@@ -27,7 +27,7 @@ def frame_size(view: RendererView, level: Level) -> tuple[int, int]:
 
 
 def make_frame(
-    shown: Shown,
+    shown: ResolvedSpec,
     view: RendererView,
     gpu: Gpu,
     target: Target,
@@ -42,7 +42,7 @@ def make_frame(
 
     Parameters
     ----------
-    shown : Shown
+    shown : ResolvedSpec
         What is to be drawn.
     view : RendererView
         Where it is seen from.
@@ -71,6 +71,9 @@ def make_frame(
         resources=cast(VolumeResources, textures),
         transfer_function=shown.drawn_function,
         settings=shown.settings,
+        common=shown.common,
+        isovalues=shown.isovalues,
+        unit_distance=shown.unit_distance,
         camera=jittered_camera(view.camera(), target.size, sequence),
         light_position=np.array(shown.light_position),
         light_color=shown.light.color,

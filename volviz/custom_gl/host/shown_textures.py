@@ -7,8 +7,8 @@ import time
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.gpu.scalars import is_prepared
 from volviz.custom_gl.host.no_textures import NO_TEXTURES, NoTextures
-from volviz.custom_gl.host.shown import Shown
 from volviz.custom_gl.host.window_gpu import WindowGpu
+from volviz.custom_gl.resolve import ResolvedSpec
 
 
 class ShownTextures:
@@ -24,19 +24,19 @@ class ShownTextures:
         self._window_gpu = window_gpu
         self._held: VolumeResources | None = None
 
-    def are_made(self, shown: Shown) -> bool:
+    def are_made(self, shown: ResolvedSpec) -> bool:
         """Whether there are textures for what is shown, or none are needed."""
         if not shown.info.uses_textures:
             return True
         return self._held is not None and self._held.volume is shown.volume
 
-    def can_be_made(self, shown: Shown) -> bool:
+    def can_be_made(self, shown: ResolvedSpec) -> bool:
         """Whether they can be made without computing texels here first."""
         return self.are_made(shown) or is_prepared(
             shown.volume, *texel_limits(self._window_gpu.gpu, shown.volume)
         )
 
-    def of(self, shown: Shown) -> VolumeResources | NoTextures:
+    def of(self, shown: ResolvedSpec) -> VolumeResources | NoTextures:
         """The textures of what is shown, made if need be; those of another volume are given back."""
         needed = shown.info.uses_textures
         if self._held is not None and (self._held.volume is not shown.volume or not needed):
@@ -47,7 +47,7 @@ class ShownTextures:
             self._held = self._window_gpu.resources(shown.volume)
         return self._held
 
-    def upload(self, shown: Shown, budget: float) -> bool:
+    def upload(self, shown: ResolvedSpec, budget: float) -> bool:
         """Fill them for about `budget` seconds; True when they are full."""
         begin = time.perf_counter()
         textures = self.of(shown)

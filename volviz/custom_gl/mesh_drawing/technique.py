@@ -12,7 +12,6 @@ from volviz.custom_gl.mesh_drawing.blocks import MeshBlocks
 from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish, ReadyMesh
 from volviz.custom_gl.mesh_drawing.values import MeshValues, ValueColors
 from volviz.custom_gl.shader_source import GLSL
-from volviz.model.auto_isovalue import auto_isovalue
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -129,10 +128,9 @@ class MeshTechnique:
 
     def _wish(self, frame: Frame) -> MeshWish:
         settings, volume = frame.settings, frame.volume
-        isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
         return MeshWish(
             volume,
-            float(isovalue),
+            frame.isovalues[0],
             self.method(settings),
             int(settings.stride),
             largest_part=settings.parts == "largest",

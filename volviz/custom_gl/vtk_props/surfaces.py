@@ -12,7 +12,6 @@ from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.custom_gl.vtk_props.images import PlacedImage
 from volviz.custom_gl.vtk_props.painting import Painting, set_material, show_colors
-from volviz.model.auto_isovalue import auto_isovalue
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
@@ -132,10 +131,9 @@ class SurfaceProp:
         """Extract the surface on a thread; True when there is one to show."""
         settings, volume = frame.settings, frame.volume
         planes = shown_part(frame)
-        isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
         wish = _Wish(
             volume,
-            float(isovalue),
+            frame.isovalues[0],
             settings.stride,
             settings.normals == "gradient",
             tuple(planes[MAX_PLANES:]),

@@ -17,7 +17,6 @@ from volviz.custom_gl.techniques.bump_mapping.mesh_surface import MeshData, file
 from volviz.custom_gl.techniques.bump_mapping.mesh_worker import Make, MeshWorker
 from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS
 from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
-from volviz.model.auto_isovalue import auto_isovalue
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -199,8 +198,7 @@ class BumpMapping:
                 return file_mesh(volume, read(str(file), cancel=cancel), file.name)
 
             return ("mesh", volume, str(file), changed), from_file
-        isovalue = float(auto_isovalue(volume) if s.isovalue is None else s.isovalue)
-        stride = int(s.stride)
+        isovalue, stride = frame.isovalues[0], int(s.stride)
         return (
             ("mesh", volume, isovalue, stride),
             lambda cancel: isosurface_mesh(volume, isovalue, stride, cancel),

@@ -13,6 +13,7 @@ TECHNIQUE = TechniqueInfo(
     settings=IsosurfaceSettings,
     create=Isosurface,
     pick=pick,
+    isovalue_setting="isovalues",
     displays=DISPLAYS,
     classic={
         "isovalues": (40.0,),

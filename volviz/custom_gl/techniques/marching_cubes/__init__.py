@@ -15,8 +15,10 @@ TECHNIQUE = TechniqueInfo(
     settings=MarchingCubesSettings,
     create=MarchingCubes,
     pick=on_isovalue,
+    isovalue_setting="isovalue",
     colors_surface=True,
     classic=CLASSIC,
     inert={**INERT, "method": "both give the same mesh unless a cell is ambiguous"},
     order=70,
+    extraction="lorensen",
 )

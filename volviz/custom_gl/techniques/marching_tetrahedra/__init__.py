@@ -15,8 +15,10 @@ TECHNIQUE = TechniqueInfo(
     settings=MarchingTetrahedraSettings,
     create=MarchingTetrahedra,
     pick=on_isovalue,
+    isovalue_setting="isovalue",
     colors_surface=True,
     classic=CLASSIC,
     inert=INERT,
     order=75,
+    extraction="tetrahedra",
 )

@@ -20,6 +20,7 @@ TECHNIQUE = TechniqueInfo(
     settings=SplattingSettings,
     create=Splatting,
     pick=_pick,
+    isovalue_setting="isovalue",
     displays=DISPLAYS,
     classic={
         "isovalue": 40.0,

@@ -16,7 +16,6 @@ from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.splat_selection import SIGMA_PER_DIAMETER, lattice_steps
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.splatting.store import Ready, SplatStore, Wanted
-from volviz.model.auto_isovalue import auto_isovalue
 
 _HERE = Path(__file__).parent
 
@@ -103,7 +102,6 @@ class Splatting:
     def _splats(self, frame: Frame) -> Ready | None:
         settings, volume = frame.settings, frame.volume
         translucent = self._translucent(frame)
-        isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
         whole = frame.crop == tuple(float(v) for n in volume.dimensions for v in (0, n - 1))
         eye = None
         if translucent:
@@ -116,7 +114,7 @@ class Splatting:
             per_axis = min(per_axis or COARSE_LATTICE, COARSE_LATTICE)
         # a cut lays bare what would be hidden
         cull = not translucent and whole and not frame.planes
-        wanted = Wanted(volume, float(isovalue), per_axis, cull, eye)
+        wanted = Wanted(volume, frame.isovalues[0], per_axis, cull, eye)
         return self._stores[coarse].get(wanted, wait=not frame.interactive, patience=PATIENCE)
 
     def _upload(self, frame: Frame, ready: Ready) -> None:

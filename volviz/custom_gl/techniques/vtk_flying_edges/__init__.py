@@ -6,6 +6,7 @@ from typing import Any
 
 from volviz.custom_gl.picking import on_isovalue
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.vtk_props.matching import MESHES
 from volviz.custom_gl.vtk_props.settings import VtkSurfaceSettings
 
 
@@ -23,9 +24,12 @@ TECHNIQUE = TechniqueInfo(
     settings=VtkSurfaceSettings,
     create=_create,
     pick=on_isovalue,
+    isovalue_setting="isovalue",
     colors_surface=True,
     kind="prop",
     counterpart_of=("marching_cubes", "marching_tetrahedra"),
     uses_transfer_function=False,
     order=240,
+    extraction="vtkFlyingEdges3D",
+    matching=MESHES,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.vtk_gpu.matching import MATCHING
 from volviz.custom_gl.vtk_props.settings import INERT, VtkGpuSettings
 
 
@@ -25,4 +26,5 @@ TECHNIQUE = TechniqueInfo(
     counterpart_of=("raycast", "two_pass_raycast", "slicing"),
     inert=INERT,
     order=200,
+    matching=MATCHING,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.vtk_normal_map.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_normal_map.settings import VtkNormalMapSettings
 
 
@@ -26,4 +27,5 @@ TECHNIQUE = TechniqueInfo(
     inert={"flat_color": "acts with the flat colour"},
     counterpart_of=("bump_mapping",),
     order=270,
+    matching=MATCHING,
 )

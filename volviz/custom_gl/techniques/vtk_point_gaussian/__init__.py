@@ -6,6 +6,7 @@ from typing import Any
 
 from volviz.custom_gl.picking import Picked, Sight, first_visible, on_isovalue
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.vtk_point_gaussian.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_point_gaussian.settings import VtkPointGaussianSettings
 
 
@@ -28,7 +29,9 @@ TECHNIQUE = TechniqueInfo(
     settings=VtkPointGaussianSettings,
     create=_create,
     pick=_pick,
+    isovalue_setting="isovalue",
     kind="prop",
     counterpart_of=("splatting",),
     order=250,
+    matching=MATCHING,
 )

@@ -12,7 +12,6 @@ from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.vtk_point_gaussian.cloud import Cloud
 from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
 from volviz.kernels.splats import Splats
-from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.volume import Volume
 
 #: Clip planes that the mapper takes; what more would cut away is not handed to it.
@@ -70,11 +69,10 @@ class VtkPointGaussian:
         """Select the voxels on a thread; True when there are some to show."""
         settings, volume = frame.settings, frame.volume
         disc = settings.footprint == "disc"
-        isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
         planes = shown_part(frame)
         # a cut lays bare what would be hidden
         cull = disc and not planes
-        wish = _Wish(volume, float(isovalue), settings.splats_per_axis, cull, tuple(planes[MAX_PLANES:]))
+        wish = _Wish(volume, frame.isovalues[0], settings.splats_per_axis, cull, tuple(planes[MAX_PLANES:]))
         splats = self._background.get(wish, lambda: _selected(wish), PATIENCE)
         if splats is None:
             if not frame.interactive or self._wish is None or not wish.may_follow(self._wish):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.vtk_shadows.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_shadows.settings import VtkShadowsSettings
 
 
@@ -26,4 +27,5 @@ TECHNIQUE = TechniqueInfo(
     handles=("light",),
     inert={"ambient": "VTK has an ambient part only while the light sits at the eye"},
     order=260,
+    matching=MATCHING,
 )

@@ -1,0 +1,123 @@
+"""An array in memory as a source: the simplest one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from volviz.errors import InputError
+from volviz.model.volume import Volume, checked_direction
+from volviz.volume_data.source import AXES, Box, Cancel, Channel, Description, Level, Statistics, VolumeSource
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+
+class ArraySource(VolumeSource):
+    """Values in memory, with time points and channels where there are any.
+
+    Parameters
+    ----------
+    values : Volume or array_like
+        A volume, or an array of three to five axes. It is not copied and must not be changed afterwards.
+    axes : str, optional
+        Names of the axes of an array, one letter each out of "tczyx", in any order. Default: "zyx" for three
+        axes, "tzyx" for four, "tczyx" for five.
+    spacing, origin, direction
+        As for `Volume`; a volume brings its own.
+    times : sequence of float, optional
+        Seconds of the time points.
+    channels : sequence of Channel, optional
+        What is known of each channel.
+    is_labels : bool
+        The values are numbers that stand for something.
+    unit, name : str
+        As for `Volume`; a volume brings its own.
+
+    Raises
+    ------
+    InputError
+        Axes that do not fit the array, or what `Volume` refuses.
+    """
+
+    def __init__(
+        self,
+        values: Volume | npt.ArrayLike,
+        axes: str | None = None,
+        *,
+        spacing: Sequence[float] = (1.0, 1.0, 1.0),
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        direction: npt.ArrayLike | None = None,
+        times: Sequence[float] | None = None,
+        channels: Sequence[Channel] = (),
+        is_labels: bool = False,
+        unit: str = "",
+        name: str = "volume",
+    ) -> None:
+        self._volume = values if isinstance(values, Volume) else None
+        if isinstance(values, Volume):
+            array, spacing, origin, direction = values.array, values.spacing, values.origin, values.direction
+            unit, name = values.unit, values.name
+        else:
+            array = np.asanyarray(values)
+        if axes is None:
+            axes = {4: "tzyx", 5: "tczyx"}.get(array.ndim, "zyx")
+        if len(set(axes)) != len(axes) or not set("zyx") <= set(axes) <= set(AXES):
+            raise InputError(f"axes must be z, y, x and at most t and c, each once, got {axes!r}.")
+        if array.ndim != len(axes):
+            raise InputError(
+                f"{name}: an array with the axes {axes!r} has {len(axes)} dimensions, got {array.ndim}."
+            )
+        # slowest first, so that one time point and channel is one index after the other
+        self._has = [axis for axis in AXES if axis in axes]
+        self._array = np.moveaxis(array, [axes.index(axis) for axis in self._has], range(len(axes)))
+        sizes = dict(zip(self._has, self._array.shape, strict=True))
+        first, second, third = checked_direction(direction, name).tolist()
+        level = Level(
+            (sizes["x"], sizes["y"], sizes["z"]),
+            (spacing[0], spacing[1], spacing[2]),
+            (origin[0], origin[1], origin[2]),
+            (tuple(first), tuple(second), tuple(third)),
+        )
+        super().__init__(
+            Description(
+                (level,),
+                sizes.get("t"),
+                sizes.get("c"),
+                None if times is None else tuple(float(t) for t in times),
+                tuple(channels),
+                is_labels=is_labels,
+                name=name,
+                unit=unit,
+                metadata={} if self._volume is None else self._volume.metadata,
+                length_unit="" if self._volume is None else str(self._volume.metadata.get("length_unit", "")),
+            )
+        )
+
+    def statistics(self, time: int = 0, channel: int | None = None) -> Statistics | None:
+        """Range of the values; it is counted once for each channel and time point that is in use."""
+        return Statistics(*self.read(0, time, channel).range)
+
+    def read_volume(
+        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
+    ) -> Volume:
+        """The volume itself where all of it is asked for."""
+        if self._volume is not None and box is None:
+            return self._volume
+        return super().read_volume(level, time, channel, box, cancel)
+
+    def read_array(
+        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
+    ) -> npt.NDArray[Any]:
+        """A view of the array; nothing is copied."""
+        array = self._array
+        if "t" in self._has:
+            array = array[time]
+        if "c" in self._has:
+            array = array[channel or 0]
+        if box is not None:
+            i0, i1, j0, j1, k0, k1 = box
+            array = array[k0:k1, j0:j1, i0:i1]
+        return array

@@ -1,0 +1,57 @@
+"""References to volumes: names of data that cost nothing to keep, for scenes, histories and caches."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class VolumeRef:
+    """Where data comes from, without its array.
+
+    Attributes
+    ----------
+    source : str
+        Path of a file or folder, ``sample:<name>``, or ``array:<number>`` for one handed over by a program.
+    hints : tuple of (name, value)
+        How to read it (raw dimensions, series); time point and channel belong to the layer that shows it.
+    content_id : str
+        Changes when the file changes; part of every cache key.
+    """
+
+    source: str
+    hints: tuple[tuple[str, Hashable], ...] = ()
+    content_id: str = ""
+
+
+@dataclass(frozen=True)
+class VolumeKey:
+    """Which values of which data: the key of one array in caches, and of everything derived from it.
+
+    Attributes
+    ----------
+    ref : VolumeRef
+    channel : int or None
+        Counted from 0; None is what the file shows by itself (see `VolumeSource.read`).
+    time : int
+        Time point, counted from 0.
+    level : int
+        Level of resolution, 0 is the finest.
+    """
+
+    ref: VolumeRef
+    channel: int | None = None
+    time: int = 0
+    level: int = 0
+
+
+def content_id(source: str) -> str:
+    """What changes when a file changes: its size and time of modification; empty for what is no file."""
+    path = Path(source)
+    try:
+        stat = path.stat()
+    except OSError:
+        return ""
+    return f"{stat.st_size:x}-{stat.st_mtime_ns:x}"

@@ -1,0 +1,401 @@
+"""What data can be asked before it is read, and the one way to read a part of it."""
+
+from __future__ import annotations
+
+import math
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+from weakref import WeakValueDictionary
+
+import numpy as np
+
+from volviz.errors import Cancelled, InputError
+from volviz.model.vectors import finite_vector
+from volviz.model.volume import Volume, check_dimensions, checked_direction, checked_spacing
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+Box = tuple[int, int, int, int, int, int]
+Cancel = Callable[[], bool]
+Color = tuple[float, float, float]
+Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+
+#: Axes in the order in which they are named, slowest first: time, channel, and the three of space.
+AXES = ("t", "c", "z", "y", "x")
+
+
+@dataclass(frozen=True)
+class Level:
+    """One resolution of the data and where its lattice lies.
+
+    Levels of a pyramid need not be halved, nor halved alike along all axes, and lie half a voxel off when they
+    were made by averaging: so each has a geometry of its own.
+
+    Attributes
+    ----------
+    dimensions : tuple of 3 ints
+        Number of voxels along (x, y, z), at least 2 each.
+    spacing : tuple of 3 floats
+        Distance between voxel centres along (x, y, z), in world units, greater than 0.
+    origin : tuple of 3 floats
+        World position (x, y, z) of the centre of voxel (0, 0, 0).
+    direction : 3 x 3 matrix as rows
+        Its columns are the world directions of the index axes i, j, k, of unit length.
+
+    Raises
+    ------
+    InputError
+        What `Volume` refuses.
+    """
+
+    dimensions: tuple[int, int, int]
+    spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    direction: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+    def __post_init__(self) -> None:
+        check_dimensions(self.dimensions, "level")
+        rows = checked_direction(self.direction, "level").tolist()
+        for name, value in (
+            ("dimensions", tuple(int(n) for n in self.dimensions)),
+            ("spacing", checked_spacing(self.spacing, "level")),
+            ("origin", finite_vector(self.origin, "level: origin")),
+            ("direction", tuple(map(tuple, rows))),
+        ):
+            object.__setattr__(self, name, value)
+
+    def part(self, box: Box) -> Level:
+        """The lattice of the voxels in a box (see `VolumeSource.read`) of this level."""
+        steps = np.asarray(self.direction) * self.spacing
+        x, y, z = (float(v) for v in np.asarray(self.origin) + steps @ np.asarray(box[::2], float))
+        dimensions = (box[1] - box[0], box[3] - box[2], box[5] - box[4])
+        return replace(self, dimensions=dimensions, origin=(x, y, z))
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One of the quantities that were measured at every voxel.
+
+    Attributes
+    ----------
+    name : str
+        "DAPI" say; empty when unknown.
+    color : tuple of 3 floats or None
+        Red, green, blue (0..1) that the file suggests.
+    window : tuple of 2 floats or None
+        Values that the file suggests to show as black and as full, in data units.
+    wavelength : float or None
+        Of the emitted light, in nanometres.
+    """
+
+    name: str = ""
+    color: Color | None = None
+    window: tuple[float, float] | None = None
+    wavelength: float | None = None
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a number in a volume of labels stands for: its name, and the colour (0..1) that the file suggests."""
+
+    number: int
+    name: str = ""
+    color: Color | None = None
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Lowest and highest finite value, in data units."""
+
+    minimum: float
+    maximum: float
+
+
+@dataclass(frozen=True)
+class Description:
+    """What the header of a file says about its data.
+
+    Attributes
+    ----------
+    levels : tuple of Level
+        Finest first.
+    time_count, channel_count : int or None
+        Sizes of the axes t and c; None when the data has no such axis.
+    times : tuple of float or None
+        Seconds of the time points, as many as `time_count`, where the file says so.
+    channels : tuple of Channel
+        As many as `channel_count`, one without that axis; empty: channels without any name.
+    is_labels : bool
+        The values are numbers that stand for something (see `labels`), between which nothing lies.
+    labels : tuple of Label
+    name : str
+        What to call the data set.
+    unit, length_unit : str
+        Unit of the values, and of spacing and origin ("mm", "µm"); empty when unknown.
+    content_id : str
+        Changes when the file changes.
+    metadata : mapping
+        What else the reader tells: it becomes that of the volumes that are read.
+    """
+
+    levels: tuple[Level, ...]
+    time_count: int | None = None
+    channel_count: int | None = None
+    times: tuple[float, ...] | None = None
+    channels: tuple[Channel, ...] = ()
+    is_labels: bool = False
+    labels: tuple[Label, ...] = ()
+    name: str = "volume"
+    unit: str = ""
+    length_unit: str = ""
+    content_id: str = ""
+    metadata: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __post_init__(self) -> None:
+        for what, count, given in (
+            ("channels", self.channel_count or 1, len(self.channels)),
+            ("times", self.time_count or 1, len(self.times or ())),
+        ):
+            if given and given != count:
+                raise InputError(f"{self.name}: {count} {what} need as many descriptions, got {given}.")
+        if not self.levels:
+            raise InputError(f"{self.name}: data needs at least one level.")
+
+
+class VolumeSource(ABC):
+    """Data that can be read in parts: a file, an array in memory, or anything that a program makes.
+
+    A subclass says what there is by a `Description`, and reads in `read_array`; the arguments are checked
+    before. Attributes and methods may be used from any thread.
+
+    Parameters
+    ----------
+    description : Description
+    """
+
+    def __init__(self, description: Description) -> None:
+        self.description = description
+        self._alive: WeakValueDictionary[tuple[int, int, int | None], Volume] = WeakValueDictionary()
+        self._lock = threading.Lock()
+
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{axis}: {size}" for axis, size in self.sizes.items())
+        return f"<{type(self).__name__} {self.name!r} {sizes}>"
+
+    # ------------------------------------------------------------------ asking
+
+    @property
+    def name(self) -> str:
+        """What to call the data set."""
+        return self.description.name
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names among "t", "c", "z", "y", "x", in this order; always the last three."""
+        return tuple(self.sizes)
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Size of each axis, at the finest level."""
+        said = self.description
+        x, y, z = said.levels[0].dimensions
+        found = {"t": said.time_count, "c": said.channel_count, "z": z, "y": y, "x": x}
+        return {axis: size for axis, size in found.items() if size is not None}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each axis: "s" where the times are known, the unit of length, or an empty text."""
+        known = {"t": "s" if self.times is not None else "", "c": ""}
+        return {axis: known.get(axis, self.description.length_unit) for axis in self.axes}
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values; empty when unknown."""
+        return self.description.unit
+
+    @property
+    def levels(self) -> tuple[Level, ...]:
+        """Resolutions, the finest first, each with a geometry of its own."""
+        return self.description.levels
+
+    @property
+    def times(self) -> tuple[float, ...] | None:
+        """Seconds of the time points, None when they are not known."""
+        return self.description.times
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """What is known of each channel; one entry for data without channels."""
+        said = self.description
+        return said.channels or (Channel(),) * (said.channel_count or 1)
+
+    @property
+    def is_labels(self) -> bool:
+        """Whether the values are numbers that stand for something (see `labels`)."""
+        return self.description.is_labels
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        """What the labels stand for, as far as the file says it."""
+        return self.description.labels
+
+    @property
+    def content_id(self) -> str:
+        """Changes when the data changes; part of the keys of caches."""
+        return self.description.content_id
+
+    @property
+    def metadata(self) -> Mapping[str, Any]:
+        """What else the reader tells: ``"source"``, ``"format"``, ``"notes"``."""
+        return self.description.metadata
+
+    def statistics(self, time: int = 0, channel: int | None = None) -> Statistics | None:
+        """Range of the values where it is known without reading them; None where it is not.
+
+        Raises
+        ------
+        InputError
+            There is no such time point or channel.
+        """
+        self._checked(0, time, channel)
+        return None
+
+    # ------------------------------------------------------------------ reading
+
+    def read(
+        self,
+        level: int = 0,
+        time: int = 0,
+        channel: int | None = None,
+        box: Sequence[int] | None = None,
+        cancel: Cancel | None = None,
+    ) -> Volume:
+        """Read one channel at one time point, or a part of it.
+
+        Parameters
+        ----------
+        level : int
+            Number of the level of resolution, 0 is the finest.
+        time : int
+            Number of the time point, from 0.
+        channel : int or None
+            Number of the channel, from 0. None takes what the file shows by itself: its first channel, the
+            brightness of colours.
+        box : sequence of 6 ints, optional
+            Voxels (i0, i1, j0, j1, k0, k1) of that level, those of i1, j1 and k1 no more, at least two along
+            each axis; None reads all.
+        cancel : callable() -> bool, optional
+            Asked now and then; True stops the reading.
+
+        Returns
+        -------
+        Volume
+            With the geometry of the level, or of the box in it. As long as a whole volume is in use, reading
+            the same again gives the same object.
+
+        Raises
+        ------
+        InputError
+            A number outside what there is.
+        LoadError
+            The file is damaged or cannot be read.
+        Cancelled
+        """
+        level, time, channel = self._checked(level, time, channel)
+        part = None if box is None else checked_box(box, self.levels[level].dimensions, self.name)
+        if cancel is not None and cancel():
+            raise Cancelled(f"{self.name}: reading was cancelled.")
+        if part is not None:
+            return self.read_volume(level, time, channel, part, cancel)
+        with self._lock:
+            alive = self._alive.get((level, time, channel))
+        if alive is not None:
+            return alive
+        volume = self.read_volume(level, time, channel, None, cancel)
+        with self._lock:
+            # another thread may have been faster: all get the same object
+            return self._alive.setdefault((level, time, channel), volume)
+
+    def read_volume(
+        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
+    ) -> Volume:
+        """`read` with checked arguments: the values of `read_array` with their geometry."""
+        array = self.read_array(level, time, channel, box, cancel)
+        lattice = self.levels[level] if box is None else self.levels[level].part(box)
+        return Volume(
+            array,
+            lattice.spacing,
+            lattice.origin,
+            lattice.direction,
+            unit=self.unit,
+            name=self.name,
+            metadata={"length_unit": self.description.length_unit, **self.metadata},
+        )
+
+    @abstractmethod
+    def read_array(
+        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
+    ) -> npt.NDArray[Any]:
+        """The values, shape (z, y, x), of one channel at one time point; the arguments are within what there is."""
+
+    def _checked(self, level: int, time: int, channel: int | None) -> tuple[int, int, int | None]:
+        sizes = self.sizes
+        return (
+            checked_number("level", level, len(self.levels), self.name),
+            checked_number("time", time, sizes.get("t", 1), self.name),
+            None if channel is None else checked_number("channel", channel, sizes.get("c", 1), self.name),
+        )
+
+
+def checked_number(what: str, value: int, count: int, name: str) -> int:
+    """The number of one of `count` levels, time points or channels.
+
+    Raises
+    ------
+    InputError
+        It is no integer within 0..count - 1.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise InputError(f"{what} must be an integer, got {value!r}.")
+    if not 0 <= value < count:
+        words = {"time": "time point"}
+        some = (
+            f"{what} must lie in 0..{count - 1}"
+            if count > 1
+            else f"there is only one {words.get(what, what)}"
+        )
+        raise InputError(f"{name}: {some}, got {value}.")
+    return int(value)
+
+
+def checked_box(box: Sequence[int], dimensions: tuple[int, int, int], name: str) -> Box:
+    """A box of voxels (i0, i1, j0, j1, k0, k1) inside so many voxels along (x, y, z).
+
+    Raises
+    ------
+    InputError
+        Not six integers, fewer than two voxels along an axis, or not inside.
+    """
+    try:
+        numbers = [int(v) for v in box]
+        whole = len(numbers) == 6 and all(
+            math.isclose(n, v, abs_tol=0.0) for n, v in zip(numbers, box, strict=True)
+        )
+    except (TypeError, ValueError, OverflowError):
+        whole = False
+    if not whole:
+        raise InputError(f"box must be six integers (i0, i1, j0, j1, k0, k1) in voxels, got {box!r}.")
+    for axis, first, last, count in zip("ijk", numbers[::2], numbers[1::2], dimensions, strict=True):
+        if not 0 <= first < last <= count:
+            raise InputError(
+                f"{name}: box goes from {first} to {last} along {axis}, outside the {count} voxels there; "
+                f"choose 0 <= {axis}0 < {axis}1 <= {count}."
+            )
+        if last - first < 2:
+            raise InputError(f"{name}: box holds one voxel along {axis}; a volume needs at least 2.")
+    return numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]
