@@ -132,6 +132,8 @@ def draw(technique: str) -> None:
             handle.raise_error()
         show(clip_planes=((of.center, (1.0, 0.2, 0.1)),))
         window.add_mesh(pyvista.Sphere(radius=2.0, center=of.center))
+        show(clip_planes=())
+        show(footprint="disc")
         # one that is enlarged beside a mesh is drawn while something moves only
         handle.gpu.programs.get(
             GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": True, "SCENE_DEPTH": True}
