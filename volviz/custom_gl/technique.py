@@ -26,10 +26,13 @@ if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
     from volviz.custom_gl.gpu.resources import VolumeResources
     from volviz.custom_gl.gpu.targets import Target
+    from volviz.custom_gl.oracles import OracleScene
     from volviz.custom_gl.picking import Picked, Sight
+    from volviz.custom_gl.study import Study
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
+    from volviz.tasks import Tasks
 
 Tile = tuple[int, int, int, int]
 Matrix = npt.NDArray[np.float64]
@@ -83,6 +86,20 @@ class TechniqueInfo:
     extraction : str
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
+    study : callable or None
+        Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
+        nothing in its pictures to refine.
+    oracle : callable or None
+        Draws what it shows with some settings by a float64 oracle, as nearly as that knows it: premultiplied RGBA of
+        shape (H, W, 4), row 0 at the top.
+    is_oracle : bool
+        It is an oracle itself: its frame times say nothing, and everything is compared with it.
+    samples_rays : bool
+        It gathers samples along rays, or in slices across them, as `volviz.kernels.reference_profile` does with its
+        settings.
+    view_slices : callable or None
+        For samples in slices perpendicular to the view: from settings, world corners of what is shown (8, 3), direction
+        of the view and step in world units the distances between which slices lie, and their number.
     """
 
     id: str
@@ -105,6 +122,11 @@ class TechniqueInfo:
     isovalue_setting: str = ""
     matching: Matching = field(default_factory=Matching)
     extraction: str = ""
+    study: Callable[[Volume], Study | None] | None = None
+    oracle: Callable[[OracleScene, Any], Matrix] | None = None
+    is_oracle: bool = False
+    samples_rays: bool = False
+    view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 
     @property
     def uses_textures(self) -> bool:
@@ -255,6 +277,9 @@ class Frame:
         Parts of the target that the box touches, for techniques that work pixel by pixel.
     uniforms : dict
         Uniforms that all shaders share, by name, as `apply` sets them; techniques read the properties instead.
+    tasks : Tasks
+        Where the technique has its work done that takes longer than a turn of an event loop; closed when the
+        technique is released. Each task that ends asks for another frame.
     filter_triangles : callable or None
         Smooths and decimates triangles (VTK's filters); may be called on any thread, see
         `volviz.custom_gl.host.mesh_filters.filter_triangles`.
@@ -290,6 +315,7 @@ class Frame:
     interactive: bool
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
+    tasks: Tasks
     filter_triangles: Callable[..., Any] | None = None
     read_triangles: Callable[..., Any] | None = None
     surface_colors: SurfaceColors | None = None
@@ -412,15 +438,15 @@ class ImageTechnique(Protocol):
     Three class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
     buffer; `least_resolution` (float), linear fraction of the full resolution below which nothing gets cheaper,
     for techniques that give up detail by `Frame.step_scale` instead; `accumulates` (bool, True unless said), whether
-    the mean of pictures seen through other points of the pixels is a better one. Two properties are: `mesh`, the
-    triangles that the last full picture showed; `progress` (float), how far the worker is that a `plan` of 0 waits for.
+    the mean of pictures seen through other points of the pixels is a better one. So is the property `mesh`: the
+    triangles that the last full picture showed.
     """
 
     def plan(self, frame: Frame) -> int:
         """Prepare what the frame needs and say into how many chunks its drawing is divided (at least 1).
 
-        0 means that a worker has not finished yet: the last picture stays, and `plan` is asked again soon. A
-        technique that answers 0 waits a few milliseconds for its worker first, so that asking costs nothing.
+        0 means that a task of `Frame.tasks` must end first: the last picture stays, and `plan` is asked again when one
+        has ended. `plan` itself never waits (`volviz.tasks.LatestResult` gives what there is).
         """
 
     def draw(self, frame: Frame, chunk: int) -> None:
@@ -461,7 +487,7 @@ class PropTechnique(Protocol):
         """What is drawn."""
 
     def prepare(self, frame: Frame) -> bool:
-        """Make the props show the values of a frame; False while a worker has not finished.
+        """Make the props show the values of a frame; False while a task of `Frame.tasks` has to end first.
 
         `Frame.resources` and `Frame.uniforms` are empty here: VTK brings the volume onto the GPU itself.
         """
