@@ -22,7 +22,7 @@ from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
-from volviz.model.render_spec import RenderSpec, View
+from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec, View
 from volviz.model.surface_values import DistanceColoring, SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -53,7 +53,7 @@ TURN_SECONDS = 0.03
 
 def render(
     volume: Shown,
-    technique: str = "raycast",
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     size: tuple[int, int] = (800, 600),
@@ -142,7 +142,7 @@ class Renderer:
     def render(
         self,
         volume: Shown,
-        technique: str = "raycast",
+        technique: str = DEFAULT_TECHNIQUE,
         *,
         transfer_function: TransferFunction | None = None,
         camera: Camera | Sequence[Any] | None = None,
@@ -152,6 +152,7 @@ class Renderer:
         light: Light | None = None,
         clipping: Clipping | None = None,
         classic: bool = False,
+        surface_colors: SurfaceColors | DistanceColoring | None = None,
         progress: Callable[[float], None] | None = None,
         cancel: Callable[[], bool] | None = None,
         **values: Any,
@@ -175,6 +176,9 @@ class Renderer:
             Values 0..255, or 0..1 without rounding.
         settings, light, clipping, classic, **values
             As for `volviz.add_volume`.
+        surface_colors : SurfaceColors or DistanceColoring, optional
+            Values that the surface is coloured by, for techniques that draw triangles; distances to another surface
+            are measured first.
         progress, cancel
             As for `draw`.
 
@@ -193,7 +197,7 @@ class Renderer:
         )
         spec = spec_of(
             volume, technique, transfer_function=transfer_function, settings=settings, light=light,
-            clipping=clipping, classic=classic, **values,
+            clipping=clipping, classic=classic, surface_colors=surface_colors, **values,
         )  # fmt: skip
         return self.draw(spec, view, dtype=dtype, progress=progress, cancel=cancel)
 
@@ -252,6 +256,8 @@ class Renderer:
                 picture[y : y + h, x : x + w] = finished(pixels, view.background, dtype)
             if progress is not None:
                 progress(fraction)
+            if self._handle is not None and self._handle.is_waiting:
+                self._handle.wait(TURN_SECONDS)
         return picture
 
     def turns(
@@ -463,3 +469,6 @@ class _Turns:
 
     def request(self, handle: object) -> None:
         """`Renderer` comes back by itself."""
+
+    def wake(self, handle: object) -> None:
+        """The same holds when work in the background has ended."""

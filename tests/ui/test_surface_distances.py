@@ -19,6 +19,7 @@ from volviz.model.comparison import Comparison
 from volviz.model.session import scene_from_dict, scene_to_dict
 from volviz_ui.compare import surface_distances
 from volviz_ui.main_window import MainWindow
+from volviz_ui.script import script_of
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")
@@ -58,6 +59,28 @@ def choose(window: MainWindow, distances: str, wait_for: Wait) -> None:
     box.setCurrentIndex(box.findData(distances))
     box.activated.emit(box.currentIndex())
     wait_for(lambda: all(colored(window)[:2]) == (distances != "off") and is_complete(window))
+
+
+def test_copy_as_python_draws_the_colours_of_the_distance(surfaces: MainWindow, wait_for: Wait) -> None:
+    for distances in ("off", "signed", "absolute"):
+        if distances != "off":
+            choose(surfaces, distances, wait_for)
+        for view, handle in enumerate(handles(surfaces)):
+            surfaces.store.update(lambda scene, view=view: replace(scene, active=view), label="View")
+            wait_for(lambda: is_complete(surfaces))
+            shown = handle.read_picture()
+            height, width = shown.shape[:2]
+            script = script_of(surfaces.store.scene, (width, height))
+            assert ("DistanceColoring" in script) == (distances != "off")
+            lines = script.split("\n")
+            load = next(i for i, line in enumerate(lines) if line.startswith("volume = "))
+            lines[load] = "volume = given"
+            names: dict[str, object] = {"given": handle.volume}
+            exec("\n".join(lines), names)
+            drawn = np.asarray(names["picture"], np.float64) / 255.0
+            apart = np.abs(drawn[..., :3] * drawn[..., 3:] - shown[..., :3])
+            # seven digits of the camera move edges by next to nothing
+            assert np.quantile(apart, 0.99) < 2 / 255
 
 
 def test_both_surfaces_are_coloured_and_turning_keeps_the_colours(

@@ -13,6 +13,7 @@ from volviz.model.parameters import Parameter
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Scene
 from volviz.model.store import Store
+from volviz.model.surface_values import DistanceColoring
 
 
 def drawing_techniques() -> list[TechniqueInfo]:
@@ -91,4 +92,25 @@ def render_spec(scene: Scene, view: int | None = None) -> RenderSpec:
         current_settings(scene, view),
         scene.light,
         scene.clipping,
+        distance_coloring(scene, view),
+    )
+
+
+def distance_coloring(scene: Scene, view: int | None = None) -> DistanceColoring | None:
+    """The distance that the surface of a view is to be coloured by; None where the scene asks for none.
+
+    That takes a compared pair of views whose techniques both draw triangles.
+    """
+    pair, comparison = scene.pair, scene.comparison
+    index = scene.active_index if view is None else view
+    if pair is None or index not in pair or comparison.distances == "off":
+        return None
+    other = pair[1 - pair.index(index)]
+    if not all(current_technique(scene, each).colors_surface for each in pair):
+        return None
+    return DistanceColoring(
+        current_technique(scene, other).id,
+        current_settings(scene, other),
+        comparison.distances == "signed",
+        comparison.distance_limit,
     )

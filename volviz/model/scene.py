@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 from volviz.model.camera import Camera
@@ -11,6 +12,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 Color = tuple[float, float, float]
 
@@ -24,12 +26,12 @@ class SceneView:
     technique : str
         Id of the technique that draws.
     settings : tuple of (technique id, settings)
-        Settings of every technique that was changed; the others have their defaults.
+        Settings of every technique that was changed, by id; the others have their defaults.
     camera : Camera or None
         None until the first picture is framed.
     """
 
-    technique: str = "raycast"
+    technique: str = DEFAULT_TECHNIQUE
     settings: tuple[tuple[str, Any], ...] = ()
     camera: Camera | None = None
 
@@ -41,9 +43,14 @@ class SceneView:
         return default()
 
     def with_settings(self, technique: str, settings: Any) -> SceneView:
-        """The view with other settings for a technique."""
-        others = tuple(pair for pair in self.settings if pair[0] != technique)
-        return replace(self, settings=(*others, (technique, settings)))
+        """The view with other settings for a technique; defaults leave no entry, so that equal views compare equal."""
+        kind = type(settings)
+        if self.settings_for(technique, kind) == settings:
+            return self
+        changed = {**dict(self.settings), technique: settings}
+        if settings == kind():
+            del changed[technique]
+        return replace(self, settings=tuple(sorted(changed.items(), key=itemgetter(0))))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from volviz.errors import InputError
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
-from volviz.model.render_spec import RenderSpec
+from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
@@ -22,13 +23,14 @@ from volviz.model.volume import Volume
 def add_volume(
     plotter: Any,
     volume: Volume | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
-    technique: str = "raycast",
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     settings: Any = None,
     light: Light | None = None,
     clipping: Clipping | None = None,
     classic: bool = False,
+    surface_colors: SurfaceColors | None = None,
     pacer: Pacer | None = None,
     **values: Any,
 ) -> VolumeHandle:
@@ -54,6 +56,8 @@ def add_volume(
     pacer : Pacer, optional
         For windows with an event loop: full pictures come piece by piece. Without one every render is
         complete.
+    surface_colors : SurfaceColors, optional
+        Values that the surface is coloured by, for techniques that draw triangles.
     **values
         Single settings by name, `headlight`, `light_position`, `light_color`, `crop` and `clip_planes`
         included.
@@ -70,7 +74,7 @@ def add_volume(
     """
     spec = spec_of(
         volume, technique, transfer_function=transfer_function, settings=settings, light=light,
-        clipping=clipping, classic=classic, **values,
+        clipping=clipping, classic=classic, surface_colors=surface_colors, **values,
     )  # fmt: skip
     return add_spec(plotter, spec, pacer=pacer)
 

@@ -9,7 +9,7 @@ import numpy as np
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
-from volviz.custom_gl.host.accumulation import jittered_camera, sample_phase
+from volviz.custom_gl.host.accumulation import jittered_camera
 from volviz.custom_gl.host.frame_uniforms import box_tiles, level_of_detail, shared_uniforms
 from volviz.custom_gl.host.mesh_filters import filter_triangles
 from volviz.custom_gl.host.mesh_reading import read_triangles
@@ -18,6 +18,7 @@ from volviz.custom_gl.host.pacing import FULL, Level
 from volviz.custom_gl.host.renderer_view import RendererView
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
+from volviz.tasks import Tasks
 
 
 def frame_size(view: RendererView, level: Level) -> tuple[int, int]:
@@ -36,6 +37,7 @@ def make_frame(
     scene_depth: Any,
     level: Level,
     tile: tuple[int, int],
+    tasks: Tasks,
     sequence: int = 0,
 ) -> Frame:
     """A frame, complete with tiles and uniforms; the target is not cleared.
@@ -58,6 +60,8 @@ def make_frame(
         Quality.
     tile : tuple of 2 ints
         Largest width and height of the tiles.
+    tasks : Tasks
+        Of the technique.
     sequence : int, default: 0
         Number of a picture that follows the full one.
     """
@@ -87,6 +91,7 @@ def make_frame(
         interactive=level != FULL,
         tiles=(),
         uniforms={},
+        tasks=tasks,
         filter_triangles=filter_triangles,
         read_triangles=read_triangles,
         surface_colors=shown.surface_colors,
@@ -96,5 +101,4 @@ def make_frame(
     frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, frame.size, tile)
     if shown.info.uses_textures:
         frame.uniforms = shared_uniforms(frame)
-        frame.uniforms["u_first_sample"] = sample_phase(frame.uniforms["u_first_sample"], sequence)
     return frame
