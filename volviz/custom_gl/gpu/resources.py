@@ -281,7 +281,7 @@ class VolumeResources:
             (bricks.low, bricks.high), bounds, visible_plane_sums(opacity), table.values, table.gradients
         )
 
-    def _gradient_bricks(self, frame: Frame) -> Bricks | None:
+    def _gradient_bricks(self, frame: SampledFrame) -> Bricks | None:
         """Bounds of the gradients; None for a large volume until a task has found them."""
         volume = self.volume
         known = known_gradient_bricks(volume)
