@@ -34,7 +34,7 @@ from volviz.kernels.bricks import (
 )
 from volviz.model.transfer_function import TransferFunction, table_size
 from volviz.model.volume import Volume
-from volviz.tasks import LatestResult
+from volviz.tasks import LatestResult, Tasks
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -55,6 +55,7 @@ class SampledFrame(Protocol):
     common: Any
     scene_depth: Any
     interactive: bool
+    tasks: Tasks
 
     @property
     def step_world(self) -> float:
