@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from volviz.errors import Cancelled, InputError, LoadError
 
 if TYPE_CHECKING:
@@ -138,9 +140,17 @@ class Job:
         LoadError
             `Volume` refuses the array or its geometry.
         """
-        from volviz.model.volume import Volume
+        from volviz.io.resampling import rectangular
+        from volviz.model.volume import SHEAR_LIMIT, Volume, shear_of
 
         hints = self.hints
+        shear = shear_of(np.asarray(geometry.direction).reshape(3, 3))
+        if shear > SHEAR_LIMIT:
+            array, geometry = rectangular(np.asarray(array), geometry)
+            self.note(
+                f"The axes of the file are sheared by {shear:.1f} degrees (a tilted gantry, say); "
+                "it was resampled onto a rectangular lattice."
+            )
         try:
             return Volume(
                 array,
