@@ -374,6 +374,8 @@ def test_a_dicomdir_opens_what_it_lists(tmp_path):
     for path in sorted(folder.iterdir()):
         files.add(path)
     files.write(tmp_path / "disc")
+    # it would be cleared away with a warning only when the collector comes
+    files._tmpdir.cleanup()
     for asked in (tmp_path / "disc" / "DICOMDIR", tmp_path / "disc"):
         np.testing.assert_array_equal(load(asked).array, STACK - 1024)
 
