@@ -210,7 +210,7 @@ def draw_ray_inspector() -> None:
     from PySide6.QtWidgets import QApplication
 
     def act(window: Any) -> None:
-        window.ray_dock.show()
+        window.docks["ray"].show()
         window.ray_inspector.inspect((0.52, 0.49))
         while window.ray_panel.plot.found is None:
             QApplication.processEvents()
@@ -245,7 +245,7 @@ def draw_crosscheck() -> None:
     choose_technique(window.store, "marching_cubes")
     isovalue = next(p for p in volviz.techniques()["marching_cubes"].parameters if p.name == "isovalue")
     change_setting(window.store, isovalue, 200.0)
-    window.crosscheck_dock.toggleViewAction().trigger()
+    window.docks["crosscheck"].toggleViewAction().trigger()
     while not window.display.is_complete or window.surface.facts is None:
         application.processEvents()
     window.crosscheck_panel.start()
@@ -302,9 +302,9 @@ def draw_comparison_in_window() -> None:
 
     def act(window: Any) -> None:
         # the panel needs the height
-        window.docks[2].hide()
-        window.actions_.with_vtk.trigger()
-        window.actions_.reset_camera.trigger()
+        window.docks["transfer"].hide()
+        window.commands["compare.with_vtk"].trigger()
+        window.commands["view.reset_camera"].trigger()
         while window.measurements.figures is None:
             QApplication.processEvents()
         window.compare_panel.time_button.click()

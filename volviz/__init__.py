@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from volviz.custom_gl.host import add_volume as add_volume
     from volviz.errors import VolvizError as VolvizError
     from volviz.io import load as load
+    from volviz.io import open as open  # noqa: A004 - as in tifffile, PIL
     from volviz.kernels.marching import marching_cubes as marching_cubes
     from volviz.mesh import extract_isosurface as extract_isosurface
     from volviz.model.camera import Camera as Camera
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
     from volviz.model.light import Light as Light
     from volviz.model.transfer_function import TransferFunction as TransferFunction
     from volviz.model.volume import Volume as Volume
-    from volviz.offscreen import render as render
+    from volviz.renderer import Renderer as Renderer
+    from volviz.renderer import render as render
 
 _PUBLIC = {
     "Camera": "volviz.model.camera",
@@ -36,6 +38,7 @@ _PUBLIC = {
     "ImageLayer": "volviz.model.layers",
     "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
+    "Renderer": "volviz.renderer",
     "TransferFunction": "volviz.model.transfer_function",
     "Volume": "volviz.model.volume",
     "VolumeHandle": "volviz.custom_gl.host",
@@ -43,9 +46,10 @@ _PUBLIC = {
     "add_volume": "volviz.custom_gl.host",
     "extract_isosurface": "volviz.mesh",
     "load": "volviz.io",
+    "open": "volviz.io",
     "marching_cubes": "volviz.kernels.marching",
     "presets": "volviz.api",
-    "render": "volviz.offscreen",
+    "render": "volviz.renderer",
     "show": "volviz.api",
     "techniques": "volviz.api",
 }

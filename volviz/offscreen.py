@@ -1,87 +1,17 @@
-"""`volviz.render`: a picture of a volume as an array, without any window or display."""
+"""What pictures without a window need beside drawing: sizes, colours, tiles, cameras."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import InputError
-from volviz.framing import default_camera
 from volviz.model.camera import Camera
-from volviz.model.clipping import Clipping
-from volviz.model.light import Light
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
-
-if TYPE_CHECKING:
-    from volviz.custom_gl.host import VolumeHandle
 
 MAX_SIZE = 16384
-
-
-def render(
-    volume: Volume,
-    technique: str = "raycast",
-    *,
-    transfer_function: TransferFunction | None = None,
-    size: tuple[int, int] = (800, 600),
-    camera: Camera | Sequence[Any] | None = None,
-    background: Sequence[float] | str | None = None,
-    dtype: Literal["uint8", "float32"] = "uint8",
-    settings: Any = None,
-    light: Light | None = None,
-    clipping: Clipping | None = None,
-    classic: bool = False,
-    **values: Any,
-) -> npt.NDArray[Any]:
-    """A picture of a volume, drawn off-screen at full quality.
-
-    Parameters
-    ----------
-    volume : Volume
-        What to show.
-    technique : str, default: "raycast"
-        Id of a technique (`volviz.techniques`).
-    transfer_function : TransferFunction, optional
-        The default is made from the volume's histogram.
-    size : tuple of 2 ints, default: (800, 600)
-        Width and height in pixels, 1..16384.
-    camera : Camera or triple, optional
-        A `volviz.Camera`, or position, focal point and view up as PyVista writes them (view angle 30
-        degrees).
-    background : colour, optional
-        Three floats 0..1 or a colour name makes the picture opaque; None gives straight alpha.
-    dtype : {"uint8", "float32"}
-        Values 0..255, or 0..1 without rounding.
-    settings, light, clipping, classic, **values
-        As for `volviz.add_volume`.
-
-    Returns
-    -------
-    ndarray of shape (H, W, 4)
-        Red, green, blue, alpha (straight, not premultiplied); row 0 at the top.
-
-    Raises
-    ------
-    VolvizError
-        Unusable arguments, or no usable OpenGL.
-    """
-    if dtype not in ("uint8", "float32"):
-        raise InputError(f'dtype of a picture is "uint8" or "float32", got {dtype!r}.')
-    width, height = checked_size(size)
-    color = background_color(background)
-    view = None if camera is None else Camera.coerce(camera)
-    premultiplied = _draw(
-        volume, technique, (width, height), view,
-        dict(
-            transfer_function=transfer_function, settings=settings, light=light, clipping=clipping,
-            classic=classic, **values,
-        ),
-    )  # fmt: skip
-    return finished(premultiplied, color, dtype)
 
 
 def finished(
@@ -113,33 +43,65 @@ def apply_camera(target: Any, camera: Camera) -> None:
     target.SetParallelScale(camera.scale)
 
 
-def _draw(
-    volume: Volume, technique: str, size: tuple[int, int], camera: Camera | None, arguments: dict[str, Any]
-) -> npt.NDArray[np.float32]:
-    from volviz.custom_gl.host import add_volume
-    from volviz.custom_gl.host.vtk_border import pyvista
+def look_at_tile(
+    camera: Any, size: tuple[int, int], tile: tuple[int, int, int, int] | None, window: tuple[int, int]
+) -> None:
+    """Let a `vtkCamera` look at a part of a picture, with the pixels of the whole.
 
-    plotter = pyvista.Plotter(
-        off_screen=True, window_size=list(size), notebook=False, theme=pyvista.themes.Theme()
+    Parameters
+    ----------
+    camera : vtkCamera
+        As it looks at the whole picture.
+    size : tuple of 2 ints
+        Of the whole picture in pixels.
+    tile : tuple of 4 ints or None
+        Left, top, width and height of the part; None for the whole.
+    window : tuple of 2 ints
+        Of the window, into whose upper left corner the part is drawn.
+    """
+    from volviz.custom_gl.host.vtk_border import vtkMatrix4x4
+
+    camera.UseExplicitProjectionTransformMatrixOff()
+    if tile is None or (tile[:2] == (0, 0) and window == size):
+        return
+    whole = camera.GetProjectionTransformMatrix(size[0] / size[1], -1, 1)
+    scale = np.array(size) / np.array(window)
+    # middle of the window in normalised device coordinates of the whole picture
+    middle = np.array(
+        [2 * (tile[0] + window[0] / 2) / size[0] - 1, 1 - 2 * (tile[1] + window[1] / 2) / size[1]]
     )
-    handle: VolumeHandle | None = None
-    try:
-        window = plotter.render_window
-        assert window is not None
-        window.SetMultiSamples(0)
-        handle = add_volume(plotter, volume, technique, **arguments)
-        if camera is None:
-            camera = default_camera(volume, size, transfer_function=handle.drawn_function)
-        apply_camera(plotter.camera, camera)
-        plotter.reset_camera_clipping_range()
-        plotter.show(auto_close=False, interactive=False)
-        handle.raise_error()
-        picture: npt.NDArray[np.float32] = handle.read_picture()
-        return picture
-    finally:
-        if handle is not None:
-            handle.remove()
-        plotter.close()
+    cut = np.eye(4)
+    cut[0, 0], cut[1, 1] = scale
+    cut[:2, 3] = -scale * middle
+    values = cut @ np.array([[whole.GetElement(i, j) for j in range(4)] for i in range(4)])
+    matrix = vtkMatrix4x4()
+    for i in range(4):
+        for j in range(4):
+            matrix.SetElement(i, j, float(values[i, j]))
+    camera.SetExplicitProjectionTransformMatrix(matrix)
+    camera.UseExplicitProjectionTransformMatrixOn()
+
+
+def tiles_of(size: tuple[int, int], edge: tuple[int, int]) -> list[tuple[int, int, int, int]]:
+    """Left, top, width and height of the parts of a picture that are at most so large, row by row."""
+    (width, height), (most_wide, most_high) = size, edge
+    return [
+        (x, y, min(most_wide, width - x), min(most_high, height - y))
+        for y in range(0, height, most_high)
+        for x in range(0, width, most_wide)
+    ]
+
+
+def checked_dtype(dtype: str) -> None:
+    """Refuse what pictures are not made of.
+
+    Raises
+    ------
+    InputError
+        It is neither "uint8" nor "float32".
+    """
+    if dtype not in ("uint8", "float32"):
+        raise InputError(f'dtype of a picture is "uint8" or "float32", got {dtype!r}.')
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:

@@ -11,17 +11,12 @@ import numpy.typing as npt
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.settings import SamplingSettings
 from volviz.custom_gl.technique import drawn_function
-from volviz.custom_gl.techniques.raycast.settings import RaycastSettings
-from volviz.custom_gl.techniques.reference.settings import ReferenceSettings
-from volviz.custom_gl.techniques.slicing.polygons import EPSILON, wanted_slices
-from volviz.custom_gl.techniques.slicing.settings import SlicingSettings
 from volviz.kernels.preintegration import extinction_sums
 from volviz.kernels.reference_profile import (
     SCALAR_MODES,
     Classify,
     Lattice,
     Optics,
-    Pieces,
     RayProfile,
     RaySpan,
     pixel_noise,
@@ -32,13 +27,14 @@ from volviz.kernels.reference_profile import (
     slice_pieces,
 )
 from volviz.kernels.reference_sampling import Shading
-from volviz.kernels.slices import box_distance_range
-from volviz.model.auto_isovalue import auto_isovalue
+from volviz.kernels.slices import crop_corners
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light, default_position
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.transfer_function import table_size
 
 if TYPE_CHECKING:
+    from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
 
@@ -149,26 +145,28 @@ def inspect_ray(
         There is no such technique, or the crop box leaves nothing.
     """
     light, clipping = light or Light(), clipping or Clipping()
-    # a wrong id is told in words
-    function = drawn_function(technique_info(technique), settings, transfer_function.resolved(volume.range))
-    exact = isinstance(settings, SamplingSettings | ReferenceSettings)
-    sampling = settings if isinstance(settings, SamplingSettings) else _as_ray_casting(settings, exact=exact)
+    info = technique_info(technique)
+    function = drawn_function(info, settings, transfer_function.resolved(volume.range))
+    sampling = settings if isinstance(settings, SamplingSettings) else _as_ray_casting(info, settings)
     crop = clipping.crop_within(volume.dimensions)
     matrix = volume.index_to_world
     span = ray_span(
         volume.array.shape, matrix, view=view, projection=projection, size=size, pixel=pixel,
         crop=crop if clipping.crop is not None else None, clip_planes=clipping.planes, depth=depth,
     )  # fmt: skip
-    slices = isinstance(settings, SlicingSettings)
-    optics = _optics(volume, sampling, function, light, slices=slices)
+    optics = _optics(volume, sampling, function, light, slices=info.view_slices is not None)
     low, high = volume.range
     nearest = sampling.interpolation == "nearest"
     lattice = Lattice(
         volume.array, matrix, low, high, nearest, float(getattr(sampling, "gradient_delta", 1.0))
     )
     jitter = pixel_noise(pixel, size) if sampling.jitter else None
-    if slices:
-        pieces = _slices(volume, settings, span, np.asarray(view, np.float64), crop, jitter)
+    if info.view_slices is not None:
+        normal = -np.asarray(view, np.float64)[2, :3]
+        normal /= np.linalg.norm(normal)
+        corners = crop_corners(matrix, crop, volume.dimensions)
+        low, high, count = info.view_slices(settings, corners, normal, sampling.step * min(volume.spacing))
+        pieces = slice_pieces(span, normal, (low, high), count, sampling.first_sample, jitter=jitter)
     else:
         first = 0.5 if optics.extinction is not None else sampling.first_sample
         pieces = ray_pieces(span, sampling.step * min(volume.spacing), first, jitter=jitter)
@@ -177,7 +175,7 @@ def inspect_ray(
         pixel,
         span,
         ray_profile(lattice, span, pieces, optics),
-        exact=exact,
+        exact=info.samples_rays,
         technique=technique,
         mode=optics.mode,
         acts_on_scalar=optics.mode in SCALAR_MODES,
@@ -185,14 +183,16 @@ def inspect_ray(
         preintegrated=optics.extinction is not None,
         shows_machinery=display not in ("image", "both"),
         reduced=bool(getattr(settings, "mipmaps", False)),
-        crossings=_crossings(volume, lattice, span, settings),
+        crossings=_crossings(volume, lattice, span, info.isovalues(settings, volume)),
     )
 
 
-def _as_ray_casting(settings: Any, *, exact: bool) -> RaycastSettings:
+def _as_ray_casting(info: TechniqueInfo, settings: Any) -> Any:
     """Ray casting with the settings that another technique has in common with it, its mode only if that is the same."""
-    names = [p.name for p in technique_info("raycast").parameters if hasattr(settings, p.name)]
-    return RaycastSettings(**{name: getattr(settings, name) for name in names if exact or name != "mode"})
+    casting = technique_info(DEFAULT_TECHNIQUE)
+    names = [p.name for p in casting.parameters if hasattr(settings, p.name)]
+    same = {name: getattr(settings, name) for name in names if info.samples_rays or name != "mode"}
+    return casting.settings(**same)
 
 
 def _optics(
@@ -262,39 +262,19 @@ def _by_value(volume: Volume, function: TransferFunction, integer: bool) -> Clas
     return classify
 
 
-def _slices(
-    volume: Volume,
-    settings: SlicingSettings,
-    span: RaySpan,
-    view: npt.NDArray[np.float64],
-    crop: tuple[float, ...],
-    jitter: float | None,
-) -> Pieces:
-    """The samples of view-aligned slices, placed as the technique places them."""
-    normal = -view[2, :3] / np.linalg.norm(view[2, :3])
-    index = np.array([[crop[c & 1], crop[2 + (c >> 1 & 1)], crop[4 + (c >> 2)]] for c in range(8)])
-    matrix = volume.index_to_world
-    low, high = box_distance_range(index @ matrix[:3, :3].T + matrix[:3, 3], normal)
-    padding = EPSILON * (high - low)
-    low, high = low - padding, high + padding
-    count = settings.slices or wanted_slices(high - low, settings.step * min(volume.spacing))
-    return slice_pieces(span, normal, (low, high), count, settings.first_sample, jitter=jitter)
-
-
-def _crossings(volume: Volume, lattice: Lattice, span: RaySpan, settings: Any) -> tuple[Crossing, ...]:
-    name = next((n for n in ("isovalues", "isovalue") if hasattr(settings, n)), None)
-    if name is None or not span.exit > span.entry:
+def _crossings(
+    volume: Volume, lattice: Lattice, span: RaySpan, isovalues: tuple[float, ...]
+) -> tuple[Crossing, ...]:
+    if not isovalues or not span.exit > span.entry:
         return ()
-    value = getattr(settings, name)
-    wanted = (auto_isovalue(volume),) if value is None else value if isinstance(value, tuple) else (value,)
     count = max(int((span.exit - span.entry) / (CROSSING_STEP * min(volume.spacing))), 1) + 1
     places = np.linspace(span.entry, span.exit, count)
     values = sample(lattice, span.start + places[:, None] * span.direction)
     found = []
-    for isovalue in wanted:
+    for isovalue in isovalues:
         inside = values >= isovalue
         for i in np.flatnonzero(inside[1:] != inside[:-1]).tolist():
             part = (isovalue - values[i]) / (values[i + 1] - values[i])
             distance = places[i] + part * (places[i + 1] - places[i]) - span.entry
-            found.append(Crossing(float(distance), float(isovalue)))
+            found.append(Crossing(float(distance), isovalue))
     return tuple(sorted(found, key=lambda crossing: crossing.distance))

@@ -115,10 +115,12 @@ def test_every_piece_of_code_names_what_there_is(page: str, code: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "page", [p for p in PAGES if p.parent.name == "techniques" and p.stem in volviz.techniques()], ids=named
+    "page", [p for p in PAGES if p.name == "README.md" and p.parent.name in volviz.techniques()], ids=named
 )
 def test_every_setting_in_a_table_exists_and_is_called_as_in_the_window(page: Path) -> None:
-    labels = {p.name: p.label for p in (*information(page.stem).parameters, *parameters_of(SharedSettings))}
+    labels = {
+        p.name: p.label for p in (*information(page.parent.name).parameters, *parameters_of(SharedSettings))
+    }
     rows = re.findall(r"^\| ([^|]*`\w[^|]*) \|", page.read_text(encoding="utf-8"), re.MULTILINE)
     for row in rows:
         names = [name.split("=")[0] for name in re.findall(r"`(\w+(?:=[^`]*)?)`", row)]

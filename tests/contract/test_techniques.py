@@ -203,7 +203,7 @@ def test_a_cheap_setting_compiles_and_uploads_nothing(technique: str) -> None:
 def test_chunks_make_the_same_picture_as_one_piece(technique: str) -> None:
     with stage(technique) as on:
         whole = on.picture()
-        on.handle.update()
+        on.handle.invalidate()
         turns = 0
         while not on.handle.refine(budget=0.0):
             turns += 1
@@ -217,7 +217,7 @@ def test_an_interrupted_picture_does_not_show_in_the_next_one(technique: str) ->
     with stage(technique) as on:
         whole = on.picture()
         on.window.camera.Azimuth(40)
-        on.handle.update()
+        on.handle.invalidate()
         assert not on.handle.refine(budget=0.0)
         on.window.camera.Azimuth(-40)
         again = on.picture()

@@ -260,7 +260,7 @@ def test_names_and_pairs() -> None:
     assert side_names(["a", "b", "a", "a"]) == ["a", "b", "a 2", "a 3"]
     assert len(picture_pairs("abcd")) == 6
     assert picture_pairs("abcde") == [("a", "b"), ("a", "c"), ("a", "d"), ("a", "e")]
-    more = picture_pairs(["a", "b", "c", "d", "reference"])
+    more = picture_pairs(["a", "b", "c", "d", "reference"], ["reference"])
     assert [pair for pair in more if "a" not in pair] == [
         ("b", "reference"),
         ("c", "reference"),

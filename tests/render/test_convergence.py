@@ -10,8 +10,7 @@ import pytest
 
 import volviz
 from tests.render.scenes import POINTS, blobs
-from volviz.compare.convergence import Convergence, ConvergenceRun, cropped_to
-from volviz.compare.convergence_studies import study
+from volviz.compare.convergence import Convergence, ConvergenceRun, cropped_to, study
 from volviz.compare.plots import axis_words
 from volviz.compare.run import Side, compare
 from volviz.compare.stage import View

@@ -295,7 +295,7 @@ def test_two_volumes_in_one_window_refine_in_turn_without_mixing() -> None:
         shot(window)
         alone = [handle.read_picture() for handle in handles]
         for handle in handles:
-            handle.update()
+            handle.invalidate()
         ready = [False, False]
         while not all(ready):
             ready = [handle.refine(budget=0.0) for handle in handles]

@@ -24,6 +24,7 @@ from volviz.custom_gl.gpu import resources
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.picking import Sight
 from volviz.custom_gl.registry import technique
+from volviz.custom_gl.settings import common_settings
 from volviz.custom_gl.technique import FrameCamera
 from volviz.custom_gl.techniques.isosurface.technique import pick
 from volviz.errors import SettingError
@@ -418,7 +419,11 @@ def test_picking_returns_the_point_and_value_that_are_shown() -> None:
             ray = pixel_ray(eye.view, eye.projection, SIZE, (column, row))
             crop = Clipping().crop_within(of.dimensions)
             settings = settings_of(of, **values)
-            found = pick(Sight(of, function(of), settings, ray, crop, values["clip_planes"]))
+            sight = Sight(
+                of, function(of), settings, common_settings(settings), ray, crop, values["clip_planes"],
+                values["isovalues"],
+            )  # fmt: skip
+            found = pick(sight)
             if hit[row, column]:
                 assert found is not None
                 # the faint surface before it is looked through

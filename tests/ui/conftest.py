@@ -14,11 +14,16 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from tests.displays import NO_DISPLAY, window_can_open
+from tests.waiting import join_tasks
 from volviz.custom_gl.host.handle import VolumeHandle
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.model.scene import Scene
+from volviz.model.volume import Volume
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.preferences import Preferences
 from volviz_ui.theme import Theme
+from volviz_ui.views.scenery import background_picture
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -89,6 +94,8 @@ def bare_window(qapp: QApplication, theme: Theme, preferences: Preferences) -> I
     window.close()
     window.deleteLater()
     settle(qapp)
+    # cancelled, but kernels that are being compiled take their time
+    join_tasks()
     # pytest holds the fixture's value until after the search for leaks; what hangs on it must not look leaked
     vars(window).clear()
 
@@ -195,3 +202,39 @@ def turn_wheel(
         False,
     )
     QApplication.sendEvent(widget, event)
+
+
+def drawn_picture(scene: Scene, volume: Volume, size: tuple[int, int], *, transparent: bool) -> np.ndarray:
+    """What the scene shows, drawn anew.
+
+    Parameters
+    ----------
+    size : tuple of 2 ints
+        Width and height in pixels.
+    transparent : bool
+        Without the background of the viewport.
+
+    Returns
+    -------
+    ndarray of shape (H, W, 4), uint8
+        Red, green, blue, straight alpha; row 0 at the top.
+    """
+    from volviz.renderer import render
+
+    picture = render(
+        volume,
+        current_technique(scene).id,
+        transfer_function=scene.layer.transfer_function if scene.layer else None,
+        size=size,
+        camera=scene.view.camera,
+        dtype="float32",
+        settings=current_settings(scene),
+        light=scene.light,
+        clipping=scene.clipping,
+    )
+    if not transparent:
+        alpha = picture[..., 3:]
+        behind = background_picture(scene.background, size)
+        picture[..., :3] = picture[..., :3] * alpha + (1 - alpha) * behind
+        picture[..., 3] = 1.0
+    return np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8)

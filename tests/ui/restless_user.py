@@ -20,12 +20,11 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
-from tests.ui.conftest import drag, save_ball, turn_wheel
+from tests.ui.conftest import drag, drawn_picture, save_ball, turn_wheel
 from volviz.compare.pictures import difference_image
 from volviz.custom_gl.scene_techniques import change_setting, current_technique
 from volviz.model.light import Light
 from volviz.model.parameters import Cost
-from volviz_ui.file_commands import drawn_picture
 from volviz_ui.main_window import MainWindow
 from volviz_ui.views.difference_picture import array_of
 from volviz_ui.views.pane import Pane
@@ -64,10 +63,10 @@ class RestlessUser:
         window.views.failed.connect(self.errors.append)
         window.documents.failed.connect(lambda name, error: self.errors.append((name, error)))
         for name in ("marker", "box", "axes", "bar"):
-            if window.actions_.scenery[name].isChecked():
-                window.actions_.scenery[name].trigger()
-        if window.actions_.handles.isChecked():
-            window.actions_.handles.trigger()
+            if window.commands[f"view.{name}"].isChecked():
+                window.commands[f"view.{name}"].trigger()
+        if window.commands["view.handles"].isChecked():
+            window.commands["view.handles"].trigger()
         self.deeds: list[Callable[[], None]] = [
             getattr(self, name) for name in sorted(dir(self)) if name.startswith("do_")
         ]
@@ -178,7 +177,7 @@ class RestlessUser:
         choose_side(self.window.store, self.random.randint(0, 1), self.random.randint(0, 3))
 
     def do_exchange(self) -> None:
-        self.window.actions_.swap_views.trigger()
+        self.window.commands["compare.swap"].trigger()
 
     def do_with_vtk(self) -> None:
         self._key("K", Qt.KeyboardModifier.ControlModifier)
@@ -251,22 +250,24 @@ class RestlessUser:
         self.window.resize(self.random.randint(860, 1040), self.random.randint(600, 720))
 
     def do_float_a_panel(self) -> None:
-        dock = self.random.choice(self.window.docks)
+        dock = self.random.choice(self.window.docks.all)
         dock.setFloating(not dock.isFloating())
 
     def do_show_or_hide_a_panel(self) -> None:
         # the ray inspector marks a pixel in the pictures
-        docks = [dock for dock in self.window.docks if dock is not self.window.ray_dock]
+        docks = [dock for dock in self.window.docks.all if dock is not self.window.docks["ray"]]
         self.random.choice(docks).toggleViewAction().trigger()
 
     def do_reset_layout(self) -> None:
-        self.window.reset_layout()
+        self.window.docks.reset()
 
     def do_theme(self) -> None:
-        self.window.set_theme(self.random.choice(["light", "dark"]))
+        self.window.edit_commands.set_theme(self.random.choice(["light", "dark"]))
 
     def do_scenery_for_a_moment(self) -> None:
-        action = self.random.choice([*self.window.actions_.scenery.values(), self.window.actions_.handles])
+        action = self.window.commands[
+            f"view.{self.random.choice(['box', 'axes', 'marker', 'bar', 'handles'])}"
+        ]
         action.trigger()
         QTest.qWait(30)
         action.trigger()
@@ -287,11 +288,10 @@ class RestlessUser:
 
     def _is_quiet(self) -> bool:
         views, scene = self.window.views, self.window.store.scene
-        moving = any(pane.viewport.is_moving or pane.display.watches_button for pane in views.panes)
         difference = views.arrangement.difference
         settled = not difference.isVisible() or difference.is_exact
         ready = self.window.documents.is_ready_for(scene) and not self.window.documents.is_loading
-        return views.is_complete and ready and not moving and settled
+        return views.is_complete and ready and not self.window.store.is_interacting and settled
 
     # ------------------------------------------------------------------ looking
 

@@ -15,12 +15,11 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog, QPushButton, QTabBar
 
-from tests.ui.conftest import foreground, is_complete, picture
+from tests.ui.conftest import drawn_picture, foreground, is_complete, picture
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
+from volviz_ui.commands.shortcuts import ShortcutsDialog
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
 from volviz_ui.dialogs.raw_import import hints_from_name, is_raw
-from volviz_ui.dialogs.shortcuts import ShortcutsDialog
-from volviz_ui.file_commands import drawn_picture
 from volviz_ui.main_window import MainWindow
 from volviz_ui.preferences import Preferences
 from volviz_ui.script import script_of
@@ -113,7 +112,7 @@ def test_a_picture_that_cannot_be_saved_is_told_in_one_sentence(
 
 
 def test_the_picture_on_the_clipboard_is_the_viewport(window: MainWindow) -> None:
-    window.actions_.copy_picture.trigger()
+    window.commands["file.copy_picture"].trigger()
     image = QApplication.clipboard().image()
     assert (image.width(), image.height()) == window.viewport.pixel_size
     shown = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
@@ -122,9 +121,9 @@ def test_the_picture_on_the_clipboard_is_the_viewport(window: MainWindow) -> Non
 
 def test_the_copied_script_draws_the_same_picture(window: MainWindow, tmp_path: Path) -> None:
     window.view_commands.show_axis_view("L")
-    window.view_commands.refine(1)
+    window.technique_commands.refine(1)
     window.data_panel.planes.add_plane((0.0, 1.0, 0.0))
-    window.actions_.copy_script.trigger()
+    window.commands["file.copy_script"].trigger()
     script = QApplication.clipboard().text()
     assert script == script_of(window.store.scene, window.viewport.pixel_size)
     size = window.viewport.pixel_size
@@ -187,23 +186,23 @@ def test_the_export_dialog_keeps_the_proportions(window: MainWindow) -> None:
 
 def test_the_theme_can_be_switched_and_icons_follow(window: MainWindow, theme: Theme) -> None:
     dark = window.grab().toImage().pixelColor(5, 5).lightness()
-    icon = window.actions_.open.icon().cacheKey()
-    dialog = window.show_preferences()
+    icon = window.commands["file.open"].icon().cacheKey()
+    dialog = window.edit_commands.show_preferences()
     dialog.theme.setCurrentIndex(dialog.theme.findData("light"))
     QTest.qWait(50)
     light = window.grab().toImage().pixelColor(5, 5).lightness()
     assert light > dark + 100
-    assert window.actions_.open.icon().cacheKey() != icon
+    assert window.commands["file.open"].icon().cacheKey() != icon
     assert window.preferences.theme == "light"
     dialog.theme.setCurrentIndex(dialog.theme.findData("dark"))
     dialog.reject()
 
 
 def test_the_quality_reaches_the_host_and_is_remembered(window: MainWindow) -> None:
-    window.set_quality("full")
+    window.view_commands.set_quality("full")
     assert window.display.handle.quality == "full"
     assert window.preferences.quality == "full"
-    assert window.menus.quality.currentData() == "full"
+    assert window.tools.quality.currentData() == "full"
 
 
 def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences: Preferences) -> None:
@@ -211,16 +210,16 @@ def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences:
     first.resize(1000, 700)
     first.show()
     QTest.qWait(100)
-    first.docks[0].hide()
+    first.docks["data"].hide()
     first.close()
     second = MainWindow(theme, preferences)
     second.show()
     QTest.qWait(100)
-    assert not second.docks[0].isVisible()
+    assert not second.docks["data"].isVisible()
     assert second.width() == 1000
-    second.reset_layout()
-    assert second.docks[0].isVisible()
-    second.compare_dock.show()
+    second.docks.reset()
+    assert second.docks["data"].isVisible()
+    second.docks["compare"].show()
     second.close()
     third = MainWindow(theme, preferences)
     third.show()
@@ -235,18 +234,18 @@ def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences:
 
 
 def test_full_screen_and_back_by_escape(window: MainWindow) -> None:
-    window.actions_.full_screen.trigger()
+    window.commands["view.full_screen"].trigger()
     assert window.isFullScreen()
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert not window.isFullScreen()
-    assert not window.actions_.full_screen.isChecked()
+    assert not window.commands["view.full_screen"].isChecked()
 
 
 def test_the_background_is_a_step_of_the_history(window: MainWindow, wait_for: Wait) -> None:
     window.view_commands.set_background((1.0, 1.0, 1.0))
     wait_for(lambda: is_complete(window))
     assert picture(window)[3, 3].min() == 255
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     QTest.qWait(50)
     assert picture(window)[3, 3].max() < 120
     assert foreground(window).mean() > 0.02

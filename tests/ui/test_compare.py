@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QApplication
 from tests.ui.conftest import drag, is_complete, turn_wheel
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.model.session import load_session
+from volviz_ui.commands.session import settings_of
 from volviz_ui.main_window import MainWindow
-from volviz_ui.session_commands import settings_of
 from volviz_ui.views.difference_picture import array_of
 from volviz_ui.views.viewport import Viewport
 
@@ -39,7 +39,7 @@ def viewports(window: MainWindow) -> list[Viewport]:
 @pytest.fixture
 def split(window: MainWindow, wait_for: Wait) -> MainWindow:
     """The window with two views of the ball, complete."""
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     wait_for(lambda: is_complete(window))
     return window
 
@@ -114,12 +114,12 @@ def test_undo_goes_through_splitting_and_techniques_of_both_views(split: MainWin
     choose_technique(split.store, "isosurface", view=1)
     choose_technique(split.store, "slicing", view=0)
     for expected in (["raycast", "isosurface"], ["raycast", "raycast"], ["raycast"]):
-        split.actions_.undo.trigger()
+        split.commands["edit.undo"].trigger()
         assert [view.technique for view in split.store.scene.views] == expected
         assert len(split.views.panes) == len(expected)
         wait_for(lambda: is_complete(split))
     for _ in range(3):
-        split.actions_.redo.trigger()
+        split.commands["edit.redo"].trigger()
     assert [view.technique for view in split.store.scene.views] == ["slicing", "isosurface"]
     wait_for(lambda: is_complete(split))
     assert [p.display.handle.technique.id for p in split.views.panes] == ["slicing", "isosurface"]
@@ -147,18 +147,18 @@ def test_a_closed_view_leaves_nothing_behind(split: MainWindow, wait_for: Wait) 
 
     before = count()
     for _ in range(2):
-        split.actions_.split.trigger()
+        split.commands["compare.split"].trigger()
         QTest.qWait(30)
-        split.actions_.split.trigger()
+        split.commands["compare.split"].trigger()
         wait_for(lambda: is_complete(split))
-    split.actions_.split.trigger()
+    split.commands["compare.split"].trigger()
     QTest.qWait(30)
     after = count()
     assert [b - a for a, b in zip(after, before, strict=True)] == [1, 1, 1, 1]
 
 
 def test_four_views_are_equally_large(split: MainWindow, wait_for: Wait) -> None:
-    split.actions_.four_views.trigger()
+    split.commands["compare.four_views"].trigger()
     for size in ((1001, 705), (1100, 760)):
         split.resize(*size)
         QTest.qWait(30)
@@ -178,14 +178,14 @@ def test_another_file_keeps_the_views_and_is_shown_in_all(
     assert [view.technique for view in split.store.scene.views] == ["raycast", "isosurface"]
     assert all(pane.display.handle.volume is split.documents.volume for pane in split.views.panes)
     assert split.store.scene.views[0].camera == split.store.scene.views[1].camera
-    split.actions_.undo.trigger()
+    split.commands["edit.undo"].trigger()
     wait_for(lambda: is_complete(split))
     assert split.documents.volume.dimensions[0] == 32
     assert all(pane.display.handle.volume is split.documents.volume for pane in split.views.panes)
 
 
 def test_a_copied_picture_holds_all_views(split: MainWindow) -> None:
-    split.actions_.copy_picture.trigger()
+    split.commands["file.copy_picture"].trigger()
     image = QApplication.clipboard().image()
     area, ratio = split.views, split.devicePixelRatioF()
     assert (image.width(), image.height()) == (round(area.width() * ratio), round(area.height() * ratio))
@@ -214,7 +214,7 @@ def test_a_session_brings_views_and_comparison_back(
     assert split.session_commands.save_path(path)
     saved = split.store.scene
     assert load_session(path, settings_of).comparison == saved.comparison
-    split.actions_.one_view.trigger()
+    split.commands["compare.one_view"].trigger()
     split.compare_commands.change(divider=0.5)
     assert split.session_commands.open_path(path)
     wait_for(lambda: len(split.store.scene.views) == 2)

@@ -37,7 +37,7 @@ pytestmark = pytest.mark.usefixtures("first_full_pictures")
 @pytest.fixture
 def split(window: MainWindow, wait_for: Wait) -> MainWindow:
     """Two views of the ball with the Compare panel in front, measured."""
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     wait_for(lambda: window.measurements.figures is not None)
     return window
 
@@ -53,7 +53,7 @@ def test_a_picture_against_itself_shows_no_difference(split: MainWindow) -> None
     assert table.text("psnr").startswith("\N{INFINITY}")
     assert table.text("ssim") == "1.00000"
     assert table.text("max") == "0"
-    assert split.compare_dock.isVisible()
+    assert split.docks["compare"].isVisible()
 
 
 def test_the_figures_are_those_of_the_exported_pictures(split: MainWindow, wait_for: Wait) -> None:
@@ -90,11 +90,11 @@ def test_after_a_drag_the_figures_are_measured_anew_and_times_broken_off(
 
 
 def test_nothing_is_measured_while_the_panel_is_hidden(window: MainWindow, wait_for: Wait) -> None:
-    window.actions_.four_views.trigger()
+    window.commands["compare.four_views"].trigger()
     wait_for(lambda: is_complete(window))
     QTest.qWait(400)
     assert window.measurements.figures is None
-    window.compare_dock.toggleViewAction().trigger()
+    window.docks["compare"].toggleViewAction().trigger()
     wait_for(lambda: window.measurements.figures is not None)
 
 
@@ -176,14 +176,14 @@ def test_matching_gives_the_second_view_the_settings_of_the_first(split: MainWin
     split.compare_panel.match_button.click()
     assert current_settings(split.store.scene, 1).step == 0.8
     assert step.label not in split.compare_panel.words.text()
-    split.actions_.undo.trigger()
+    split.commands["edit.undo"].trigger()
     assert current_settings(split.store.scene, 1).step == 0.5
 
 
 def test_vtks_counterpart_comes_beside_with_the_same_settings(window: MainWindow, wait_for: Wait) -> None:
     step = next(p for p in current_technique(window.store.scene).parameters if p.name == "step")
     change_setting(window.store, step, 0.4)
-    window.actions_.with_vtk.trigger()
+    window.commands["compare.with_vtk"].trigger()
     wait_for(lambda: window.measurements.figures is not None)
     scene = window.store.scene
     assert [view.technique for view in scene.views] == ["raycast", "vtk_gpu"]

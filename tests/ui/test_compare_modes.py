@@ -11,12 +11,11 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from tests.ui.conftest import drag, is_complete
+from tests.ui.conftest import drag, drawn_picture, is_complete
 from tests.ui.test_compare import picture_of, viewports
 from volviz.compare.pictures import difference_image
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.model.comparison import Mode
-from volviz_ui.file_commands import drawn_picture
 from volviz_ui.main_window import MainWindow
 from volviz_ui.views.difference_picture import array_of
 from volviz_ui.views.divider import Divider
@@ -28,7 +27,7 @@ pytestmark = pytest.mark.usefixtures("first_full_pictures")
 @pytest.fixture
 def pair(window: MainWindow, wait_for: Wait) -> MainWindow:
     """The ball twice: as a volume and as a surface, complete."""
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     choose_technique(window.store, "isosurface", view=1)
     wait_for(lambda: is_complete(window))
     return window
@@ -160,7 +159,7 @@ def test_blinking_shows_one_view_and_the_other_in_turn_and_stops_when_hidden(
 
 
 def test_the_difference_of_a_picture_with_itself_is_nothing(window: MainWindow, wait_for: Wait) -> None:
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     enter(window, "difference", wait_for)
     view = window.views.arrangement.difference
     wait_for(lambda: view.is_exact)
@@ -256,7 +255,7 @@ def test_sizes_files_techniques_and_closing_leave_right_pictures(
 def test_which_two_of_four_views_are_compared_is_said_and_can_be_chosen(
     window: MainWindow, wait_for: Wait
 ) -> None:
-    window.actions_.four_views.trigger()
+    window.commands["compare.four_views"].trigger()
     for view, technique in enumerate(("raycast", "isosurface", "slicing", "splatting")):
         choose_technique(window.store, technique, view=view)
     badges = [pane.header.badge for pane in window.views.panes]

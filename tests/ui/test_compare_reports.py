@@ -21,7 +21,7 @@ from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.tf_formats import write_transfer_function
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -35,7 +35,7 @@ Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")
 
 
-def scene_of(views: tuple[View, ...], camera: Camera) -> Scene:
+def scene_of(views: tuple[SceneView, ...], camera: Camera) -> Scene:
     function = TransferFunction.from_points([(10.0, (1, 0, 0, 0)), (200.0, (1, 1, 0, 0.7))])
     ref = VolumeRef("brain.raw", (("dims", (16, 16, 16)), ("dtype", "uint8")))
     return Scene(
@@ -53,9 +53,9 @@ def test_the_command_of_a_report_means_what_the_views_show(tmp_path: Path, paral
         (3.1, -41.7, 9.25), (7.5, 7.5, 7.0), (0.0, 0.1, 1.0), 24.0, parallel, 11.5 if parallel else None
     )
     views = (
-        View("raycast").with_settings("raycast", _changed("raycast", step=0.37, shading=True)),
-        View("isosurface").with_settings("isosurface", _changed("isosurface", isovalues=(40.0, 120.5))),
-        View("slicing"),
+        SceneView("raycast").with_settings("raycast", _changed("raycast", step=0.37, shading=True)),
+        SceneView("isosurface").with_settings("isosurface", _changed("isosurface", isovalues=(40.0, 120.5))),
+        SceneView("slicing"),
     )
     scene = scene_of(views, camera)
     file = tmp_path / function_name(Path("out.html"))
@@ -86,14 +86,14 @@ def test_the_command_of_a_report_means_what_the_views_show(tmp_path: Path, paral
 
 
 def _changed(technique: str, **values: object) -> object:
-    scene = Scene(views=(View(technique),))
+    scene = Scene(views=(SceneView(technique),))
     return replace(current_settings(scene), **values)
 
 
 def test_convergence_comes_back_with_slopes_and_can_be_cancelled(
     window: MainWindow, tmp_path: Path, wait_for: Wait
 ) -> None:
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     choose_technique(window.store, "slicing", view=1)
     wait_for(lambda: is_complete(window))
     panel = window.compare_panel
@@ -125,7 +125,7 @@ def test_convergence_comes_back_with_slopes_and_can_be_cancelled(
 def test_a_report_that_cannot_be_made_is_told_in_one_sentence(
     window: MainWindow, tmp_path: Path, wait_for: Wait
 ) -> None:
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     said: list[str] = []
     window.reports.process.failed.connect(said.append)
     arguments = ["compare", str(tmp_path / "none.nrrd"), "-t", "raycast", "-t", "slicing", "-o", "r.html"]

@@ -25,9 +25,9 @@ Wait = Callable[..., None]
 @pytest.fixture
 def panel(window: MainWindow) -> CrosscheckPanel:
     """The dock, shown by its entry in the menu."""
-    assert window.crosscheck_dock.isHidden()
-    window.crosscheck_dock.toggleViewAction().trigger()
-    assert not window.crosscheck_dock.isHidden()
+    assert window.docks["crosscheck"].isHidden()
+    window.docks["crosscheck"].toggleViewAction().trigger()
+    assert not window.docks["crosscheck"].isHidden()
     return window.crosscheck_panel
 
 

@@ -55,7 +55,7 @@ def test_the_knob_of_the_light_moves_it_as_one_step(window: MainWindow, wait_for
     assert window.viewport.view_camera == camera
     assert window.viewport.handles.grip_at(at.x() + 70, at.y() + 60) == "light"
     assert window.store.undo_label == "Move the light"
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert window.store.scene.light == before
     assert window.store.undo_label is None
     # the knob follows
@@ -78,9 +78,9 @@ def test_the_cut_plane_is_tilted_and_pushed_by_its_knobs(window: MainWindow, wai
     assert pushed.plane_normal == tilted.plane_normal
     assert pushed.plane_origin != tilted.plane_origin
     assert window.technique_panel.form is not None
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert current_settings(window.store.scene) == tilted
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert current_settings(window.store.scene) == before
 
 
@@ -123,9 +123,9 @@ def test_handles_are_switched_off_for_good_and_are_not_in_copied_pictures(
 ) -> None:
     show(window, "bump_mapping", wait_for)
     with_knob = picture(window)
-    window.actions_.copy_picture.trigger()
+    window.commands["file.copy_picture"].trigger()
     copied = QApplication.clipboard().image()
-    window.actions_.handles.trigger()
+    window.commands["view.handles"].trigger()
     wait_for(lambda: is_complete(window))
     without = picture(window)
     assert window.viewport.handles is None

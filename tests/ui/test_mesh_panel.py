@@ -78,10 +78,10 @@ def test_the_figures_are_those_of_the_mesh_that_is_shown(meshes: MainWindow) -> 
 def test_the_section_and_the_command_belong_to_techniques_with_triangles(
     meshes: MainWindow, wait_for: Wait
 ) -> None:
-    assert meshes.actions_.export_mesh.isEnabled()
+    assert meshes.commands["file.export_mesh"].isEnabled()
     choose_technique(meshes.store, "raycast")
     assert meshes.technique_panel.surface.isHidden()
-    assert not meshes.actions_.export_mesh.isEnabled()
+    assert not meshes.commands["file.export_mesh"].isEnabled()
     assert meshes.file_commands.export_mesh() is None
     choose_technique(meshes.store, "marching_tetrahedra")
     assert not meshes.technique_panel.surface.isHidden()
@@ -93,12 +93,11 @@ def test_the_section_and_the_command_belong_to_techniques_with_triangles(
 def test_filters_change_the_mesh_and_are_steps_of_the_history(meshes: MainWindow, wait_for: Wait) -> None:
     before = meshes.surface.facts
     change(meshes, "decimation", 0.7)
-    meshes.store.end_gesture()
     wait_for(lambda: meshes.surface.facts is not None and meshes.surface.facts is not before)
     after = meshes.surface.facts
     assert after.metrics.faces == pytest.approx(0.3 * before.metrics.faces, rel=0.1)
     assert after.metrics.is_closed
-    meshes.actions_.undo.trigger()
+    meshes.commands["edit.undo"].trigger()
     wait_for(lambda: meshes.surface.facts is not None and meshes.surface.facts is not after)
     assert meshes.surface.facts.metrics == before.metrics
 
@@ -126,9 +125,9 @@ def test_work_on_the_mesh_is_shown_and_can_be_given_up(
     wait_for(lambda: is_complete(meshes))
     assert shown.work.isHidden()
     assert meshes.surface.facts.metrics == before.metrics
-    meshes.actions_.undo.trigger()
+    meshes.commands["edit.undo"].trigger()
     assert current_settings(meshes.store.scene).smoothing == 30
-    meshes.actions_.redo.trigger()
+    meshes.commands["edit.redo"].trigger()
     wait_for(lambda: is_complete(meshes))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtCore import QMimeData, QPointF, Qt, QTimer, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 
 from tests.ui.conftest import foreground, is_complete, save_ball
 from volviz.custom_gl.scene_techniques import choose_technique
@@ -52,7 +52,7 @@ def test_the_panels_say_what_was_opened(window: MainWindow) -> None:
     facts = {key: label.whole for key, label in window.data_panel._facts.items()}
     assert facts["size"] == "32 × 32 × 32"
     assert facts["range"].startswith("0 … 200")
-    assert "32 × 32 × 32" in window.status_line.volume.text()
+    assert "32 × 32 × 32" in window.messages.status_line.volume.text()
 
 
 def test_a_file_that_cannot_be_read_leaves_the_scene_and_says_one_sentence(
@@ -75,7 +75,7 @@ def test_a_file_that_cannot_be_read_leaves_the_scene_and_says_one_sentence(
 
 def test_the_first_file_leaves_nothing_to_undo(window: MainWindow) -> None:
     assert window.store.undo_label is None
-    assert not window.actions_.undo.isEnabled()
+    assert not window.commands["edit.undo"].isEnabled()
 
 
 def test_undo_across_files_brings_back_volume_and_camera(
@@ -85,12 +85,12 @@ def test_undo_across_files_brings_back_volume_and_camera(
     window.open(other_file)
     wait_for(lambda: window.documents.volume is not first)
     assert window.documents.volume.dimensions == (24, 24, 24)
-    assert "other" in window.actions_.undo.text()
-    window.actions_.undo.trigger()
+    assert "other" in window.commands["edit.undo"].text()
+    window.commands["edit.undo"].trigger()
     wait_for(lambda: window.documents.volume is first)
     assert window.store.scene.view.camera == camera
     assert window.viewport.view_camera.position == camera.position
-    window.actions_.redo.trigger()
+    window.commands["edit.redo"].trigger()
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
 
 
@@ -101,7 +101,7 @@ def test_undo_reads_a_file_again_when_it_has_left_the_cache(
     window.open(other_file)
     wait_for(lambda: window.documents.volume is not first)
     window.documents.cache.clear()
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     wait_for(lambda: window.documents.volume.dimensions == (32, 32, 32))
     assert window.documents.volume is not first
 
@@ -115,7 +115,7 @@ def test_undo_to_a_file_that_is_gone_keeps_what_is_shown(
     shown, scene = window.documents.volume, window.store.scene
     window.documents.cache.clear()
     Path(ball_file).unlink()
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     wait_for(lambda: error_boxes(window))
     error_boxes(window)[0].close()
     assert window.documents.volume is shown
@@ -129,10 +129,10 @@ def test_coming_back_from_a_file_that_never_arrived_shows_the_present_technique(
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
     choose_technique(window.store, "slicing")
     window.documents.cache.clear()
-    window.actions_.undo.trigger()
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
+    window.commands["edit.undo"].trigger()
     assert window.documents.is_loading
-    window.actions_.redo.trigger()
+    window.commands["edit.redo"].trigger()
     assert not window.documents.is_loading
     assert window.store.scene.view.technique == "raycast"
     assert window.display.handle.technique.id == "raycast"
@@ -155,12 +155,12 @@ def test_loading_can_be_cancelled(window: MainWindow, tmp_path: Path, wait_for: 
     np.save(big, np.zeros((160, 256, 256), np.int16))
     volume = window.documents.volume
     window.open(str(big))
-    assert window.banner.shows_progress
-    window.banner.stop.click()
+    assert window.messages.banner.shows_progress
+    window.messages.banner.stop.click()
     assert not window.documents.is_loading
     wait_for(lambda: not window.workers.is_busy)
     assert window.documents.volume is volume
-    assert window.banner.isHidden()
+    assert window.messages.banner.isHidden()
 
 
 def test_the_window_stays_alive_while_a_file_is_read(
@@ -191,8 +191,9 @@ def test_the_window_stays_alive_while_a_file_is_read(
 
 def test_recent_files_can_be_opened_again(window: MainWindow, ball_file: str, wait_for: Wait) -> None:
     assert [ref.source for ref in window.preferences.recent] == [ball_file]
-    window.menus.recent.aboutToShow.emit()
-    assert window.menus.recent.actions()[0].text() == "ball.npy"
+    (menu,) = [menu for menu in window.findChildren(QMenu) if menu.title() == "Open &recent"]
+    menu.aboutToShow.emit()
+    assert menu.actions()[0].text() == "ball.npy"
 
 
 def test_a_raw_file_without_a_telling_name_is_asked_about(

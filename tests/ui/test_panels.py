@@ -61,7 +61,7 @@ def test_a_drag_of_a_slider_is_one_step_and_reaches_the_picture(window: MainWind
     assert value > 0.2
     assert window.store.undo_label == "Density threshold"
     assert window.display.handle.settings.density_threshold == value
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert current_settings(window.store.scene).density_threshold == 0.0
     assert window.store.undo_label is None
     assert slider.value() == 0
@@ -72,9 +72,10 @@ def test_a_drag_of_a_slider_is_one_step_and_reaches_the_picture(window: MainWind
 def test_no_picture_is_completed_while_a_slider_is_held(window: MainWindow, wait_for: Wait) -> None:
     slider = editor(window, "density_threshold").control.slider
     QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(6, slider.height() // 2))
-    assert window.display._gestures >= 1
+    assert window.store.is_interacting
     QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(6, slider.height() // 2))
-    wait_for(lambda: window.display._gestures == 0)
+    assert not window.store.is_interacting
+    wait_for(lambda: is_complete(window))
 
 
 def test_a_typed_number_beyond_the_slider_is_taken(window: MainWindow) -> None:
@@ -123,9 +124,9 @@ def test_two_clicks_on_a_check_box_are_two_steps(window: MainWindow) -> None:
     assert form is not None
     form.editors["shading"].control.click()
     form.editors["shading"].control.click()
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert current_settings(window.store.scene).shading
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert not current_settings(window.store.scene).shading
 
 
@@ -139,7 +140,7 @@ def test_the_panel_of_every_technique_builds_and_shows_its_settings(window: Main
     assert form is not None
     assert form.info is info
     assert set(form.editors) == {p.name for p in info.parameters}
-    assert window.menus.technique.currentData() == info.id
+    assert window.tools.technique.currentData() == info.id
     QTest.qWait(30)
     assert window.display.handle.error is None
 
@@ -177,7 +178,7 @@ def test_a_clip_plane_can_be_added_moved_turned_and_removed(window: MainWindow, 
     assert window.store.scene.clipping.planes == ()
     assert panel.rows == []
     for _ in range(4):
-        window.actions_.undo.trigger()
+        window.commands["edit.undo"].trigger()
     assert window.store.scene.clipping.planes == ()
     assert window.store.undo_label is None
 
@@ -295,9 +296,9 @@ def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
     assert panel.form.info.id == "slicing"
     # another theme would dress them all: those that nobody sees go, and come back in the next quiet time
     monkeypatch.setattr(form_shelf, "REST_MS", 100_000)
-    window.set_theme("light")
+    window.edit_commands.set_theme("light")
     assert panel.findChildren(SettingsForm) == [panel.form]
-    window.set_theme("dark")
+    window.edit_commands.set_theme("dark")
     choose_technique(window.store, "raycast")
     assert panel.form.isVisible()
     panel.shelf.stop()
@@ -357,9 +358,9 @@ def test_one_of_a_unit_is_said_in_the_singular(window: MainWindow) -> None:
 
 def test_a_narrow_editor_shows_icons_without_words_and_none_cut_off(window: MainWindow) -> None:
     transfer = window.transfer_editor
-    window.docks[2].setFloating(True)
+    window.docks["transfer"].setFloating(True)
     for width, words in ((620, False), (1100, True), (640, False)):
-        window.docks[2].resize(width, 260)
+        window.docks["transfer"].resize(width, 260)
         QTest.qWait(30)
         for button in (transfer.color_button, transfer.shape_button, transfer.arrange_button):
             assert (button.toolButtonStyle() == Qt.ToolButtonStyle.ToolButtonTextBesideIcon) is words

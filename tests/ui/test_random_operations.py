@@ -67,11 +67,11 @@ class Monkey:
             choose_technique(self.window.store, info.id)
             for _ in range(2):
                 # enlarged and complete pictures, with opaque things beside the volume and without
-                self.window.actions_.scenery["box"].trigger()
+                self.window.commands["view.box"].trigger()
                 drag(self.window.viewport, middle, middle + QPoint(20, 10), steps=3)
                 self.wait_for(lambda: is_complete(self.window))
         for _ in range(2):
-            for dock in self.window.docks:
+            for dock in self.window.docks.all:
                 dock.setFloating(True)
                 QTest.qWait(30)
                 dock.setFloating(False)
@@ -103,7 +103,7 @@ class Monkey:
         turn_wheel(self.window.viewport, self.random.choice([-1, 1]))
 
     def do_look_along_an_axis(self) -> None:
-        self.random.choice(self.window.actions_.axis_views).trigger()
+        self.window.commands[f"view.from.{self.random.choice('APLRSI')}"].trigger()
 
     def do_technique(self) -> None:
         choose_technique(self.window.store, self.random.choice(drawing_techniques()).id)
@@ -146,21 +146,21 @@ class Monkey:
 
     def do_undo(self) -> None:
         for _ in range(self.random.randint(1, 4)):
-            self.window.actions_.undo.trigger()
+            self.window.commands["edit.undo"].trigger()
 
     def do_redo(self) -> None:
         for _ in range(self.random.randint(1, 3)):
-            self.window.actions_.redo.trigger()
+            self.window.commands["edit.redo"].trigger()
 
     def do_resize(self) -> None:
         self.window.resize(self.random.randint(900, 1200), self.random.randint(640, 860))
 
     def do_float_a_panel(self) -> None:
-        dock = self.random.choice(self.window.docks)
+        dock = self.random.choice(self.window.docks.all)
         dock.setFloating(not dock.isFloating())
 
     def do_scenery(self) -> None:
-        self.random.choice(list(self.window.actions_.scenery.values())).trigger()
+        self.window.commands[f"view.{self.random.choice(['box', 'axes', 'marker', 'bar'])}"].trigger()
 
     def do_forget_volumes(self) -> None:
         self.window.documents.cache.clear()
@@ -193,11 +193,11 @@ def test_random_operations_raise_nothing_and_keep_the_memory(
     assert grown < GROWTH_MEGABYTES, f"{grown:.0f} MB more after {OPERATIONS} operations"
 
     wait_for(lambda: not window.documents.is_loading)
-    window.reset_layout()
+    window.docks.reset()
     window.open(files[1])
     wait_for(lambda: window.documents.volume.dimensions == (32, 32, 32) and not window.documents.is_loading)
     choose_technique(window.store, "raycast")
-    window.view_commands.reset_settings()
+    window.technique_commands.reset_settings()
     window.view_commands.reset_camera()
     wait_for(lambda: is_complete(window))
     assert foreground(window).mean() > 0.02

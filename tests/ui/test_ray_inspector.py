@@ -37,7 +37,7 @@ def show_function(window: MainWindow, function: TransferFunction) -> None:
 def inspecting(window: MainWindow, wait_for: Wait) -> MainWindow:
     """The window with the panel open and a thin function."""
     show_function(window, THIN)
-    window.ray_dock.show()
+    window.docks["ray"].show()
     settle(window, wait_for)
     return window
 
@@ -68,7 +68,7 @@ def test_a_cross_marks_the_pixel_until_the_panel_is_closed(inspecting: MainWindo
     arm = picture(inspecting)[spot.y(), spot.x() + 8]
     assert arm[0] > 200
     assert arm[2] < 120
-    inspecting.ray_dock.close()
+    inspecting.docks["ray"].close()
     wait_for(lambda: inspecting.views.first.ray_mark.place is None and is_complete(inspecting))
     assert np.abs(picture(inspecting)[spot.y(), spot.x() + 8] - arm).max() > 60
 
@@ -84,7 +84,7 @@ def test_the_ray_follows_the_transfer_function_and_undo(inspecting: MainWindow, 
     assert after.ends == "opacity"
     assert len(after.profile.values) < len(before.profile.values)
     assert "enough opacity" in inspecting.ray_panel.sentence.text()
-    inspecting.actions_.undo.trigger()
+    inspecting.commands["edit.undo"].trigger()
     settle(inspecting, wait_for)
     assert inspecting.ray_panel.plot.found.ends == "box"
 
@@ -97,7 +97,7 @@ def test_the_reason_follows_clip_planes_and_opaque_geometry(inspecting: MainWind
     inspecting.store.update(lambda scene: replace(scene, clipping=clipping), label="Clip")
     settle(inspecting, wait_for)
     assert inspecting.ray_panel.plot.found.ends == "plane"
-    inspecting.actions_.undo.trigger()
+    inspecting.commands["edit.undo"].trigger()
     import pyvista as pv
 
     inspecting.viewport.add_mesh(pv.Sphere(radius=2.0, center=volume.center), reset_camera=False)
@@ -184,12 +184,12 @@ def test_a_closed_panel_computes_nothing_and_an_idle_window_draws_nothing(
     frames = inspecting.viewport.frames
     QTest.qWait(120)
     assert inspecting.viewport.frames == frames
-    inspecting.ray_dock.close()
+    inspecting.docks["ray"].close()
     found = inspecting.ray_panel.plot.found
     show_function(inspecting, THIN.with_opacity(0.5))
     click(inspecting, QPoint(5, 5), wait_for)
     assert inspecting.ray_panel.plot.found is found
-    inspecting.ray_dock.show()
+    inspecting.docks["ray"].show()
     inspecting.open(other_file)
     wait_for(lambda: inspecting.documents.volume.dimensions == (24, 24, 24))
     settle(inspecting, wait_for)

@@ -18,7 +18,7 @@ def test_after_whatever_a_user_does_all_views_show_what_the_scene_says(
     user = RestlessUser(bare_window, tmp_path, SEED)
     bare_window.open(user.files[1])
     user.rest()
-    bare_window.actions_.split.trigger()
+    bare_window.commands["compare.split"].trigger()
     for _ in range(STEPS):
         user.step()
     user.rest()

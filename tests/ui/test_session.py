@@ -23,7 +23,7 @@ def test_a_saved_session_brings_everything_back(
 ) -> None:
     window.view_commands.show_axis_view("L")
     window.data_panel.planes.add_plane((0.0, 0.0, 1.0))
-    window.view_commands.refine(1)
+    window.technique_commands.refine(1)
     scene = window.store.scene
     wait_for(lambda: is_complete(window))
     before = picture(window)
@@ -37,7 +37,7 @@ def test_a_saved_session_brings_everything_back(
     assert window.store.scene == scene
     wait_for(lambda: is_complete(window))
     assert np.abs(picture(window) - before).max() <= 2
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
 
 
@@ -48,7 +48,7 @@ def test_a_session_whose_volume_is_gone_leaves_the_scene(
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
     path = tmp_path / "mine.volviz.json"
     save_session(window.store.scene, path)
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     wait_for(lambda: window.documents.volume.dimensions == (32, 32, 32))
     Path(other_file).unlink()
     window.documents.cache.clear()

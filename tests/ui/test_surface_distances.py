@@ -19,6 +19,7 @@ from volviz.model.comparison import Comparison
 from volviz.model.session import scene_from_dict, scene_to_dict
 from volviz_ui.compare import surface_distances
 from volviz_ui.main_window import MainWindow
+from volviz_ui.script import script_of
 
 Wait = Callable[..., None]
 pytestmark = pytest.mark.usefixtures("first_full_pictures")
@@ -46,7 +47,7 @@ def isovalue_of(window: MainWindow, view: int, value: float) -> None:
 @pytest.fixture
 def surfaces(window: MainWindow, wait_for: Wait) -> MainWindow:
     """Marching cubes beside marching tetrahedra of the ball."""
-    window.actions_.split.trigger()
+    window.commands["compare.split"].trigger()
     choose_technique(window.store, "marching_cubes", view=0)
     choose_technique(window.store, "marching_tetrahedra", view=1)
     wait_for(lambda: is_complete(window))
@@ -58,6 +59,28 @@ def choose(window: MainWindow, distances: str, wait_for: Wait) -> None:
     box.setCurrentIndex(box.findData(distances))
     box.activated.emit(box.currentIndex())
     wait_for(lambda: all(colored(window)[:2]) == (distances != "off") and is_complete(window))
+
+
+def test_copy_as_python_draws_the_colours_of_the_distance(surfaces: MainWindow, wait_for: Wait) -> None:
+    for distances in ("off", "signed", "absolute"):
+        if distances != "off":
+            choose(surfaces, distances, wait_for)
+        for view, handle in enumerate(handles(surfaces)):
+            surfaces.store.update(lambda scene, view=view: replace(scene, active=view), label="View")
+            wait_for(lambda: is_complete(surfaces))
+            shown = handle.read_picture()
+            height, width = shown.shape[:2]
+            script = script_of(surfaces.store.scene, (width, height))
+            assert ("DistanceColoring" in script) == (distances != "off")
+            lines = script.split("\n")
+            load = next(i for i, line in enumerate(lines) if line.startswith("volume = "))
+            lines[load] = "volume = given"
+            names: dict[str, object] = {"given": handle.volume}
+            exec("\n".join(lines), names)
+            drawn = np.asarray(names["picture"], np.float64) / 255.0
+            apart = np.abs(drawn[..., :3] * drawn[..., 3:] - shown[..., :3])
+            # seven digits of the camera move edges by next to nothing
+            assert np.quantile(apart, 0.99) < 2 / 255
 
 
 def test_both_surfaces_are_coloured_and_turning_keeps_the_colours(
@@ -76,7 +99,7 @@ def test_both_surfaces_are_coloured_and_turning_keeps_the_colours(
     assert f"{found.largest:.3g}" in section.state.text()
     assert "units" in section.state.text()
     assert section.cancel_button.isHidden()
-    assert surfaces.actions_.distances.isChecked()
+    assert surfaces.commands["compare.distances"].isChecked()
     viewport = surfaces.views.first.viewport
     drag(viewport, viewport.rect().center(), viewport.rect().center() / 2)
     wait_for(lambda: is_complete(surfaces))
@@ -87,7 +110,7 @@ def test_both_surfaces_are_coloured_and_turning_keeps_the_colours(
     assert surfaces.surface_distances.colors.first.low == 0.0
     choose(surfaces, "off", wait_for)
     assert surfaces.surface_distances.colors is None
-    assert not surfaces.actions_.distances.isChecked()
+    assert not surfaces.commands["compare.distances"].isChecked()
 
 
 def test_colours_of_another_surface_are_never_seen(surfaces: MainWindow, wait_for: Wait) -> None:
@@ -128,7 +151,7 @@ def test_a_look_that_is_no_other_surface_keeps_the_colours(surfaces: MainWindow,
 def test_equal_surfaces_are_said_to_be_the_same(surfaces: MainWindow, wait_for: Wait) -> None:
     choose_technique(surfaces.store, "vtk_marching_cubes", view=0)
     choose_technique(surfaces.store, "vtk_flying_edges", view=1)
-    surfaces.actions_.distances.trigger()
+    surfaces.commands["compare.distances"].trigger()
     wait_for(lambda: all(colored(surfaces)) and is_complete(surfaces))
     assert surfaces.surface_distances.colors.are_same
     words = surfaces.tr("No distance: the surfaces are the same.")
@@ -168,7 +191,7 @@ def test_the_distance_can_be_given_up_while_it_is_measured(
 
     monkeypatch.setattr(surface_distances, "distance_maps", endless)
     section = surfaces.compare_panel.distances
-    surfaces.actions_.distances.trigger()
+    surfaces.commands["compare.distances"].trigger()
     wait_for(lambda: section.bar.value() >= 500)
     assert not section.cancel_button.isHidden()
     section.cancel_button.click()
@@ -179,14 +202,14 @@ def test_the_distance_can_be_given_up_while_it_is_measured(
 
 
 def test_of_four_views_only_the_compared_two_are_coloured(surfaces: MainWindow, wait_for: Wait) -> None:
-    surfaces.actions_.four_views.trigger()
+    surfaces.commands["compare.four_views"].trigger()
     choose_technique(surfaces.store, "marching_cubes", view=2)
-    surfaces.actions_.distances.trigger()
+    surfaces.commands["compare.distances"].trigger()
     wait_for(lambda: colored(surfaces) == [True, True, False, False])
     surfaces.compare_commands.change(pair=(0, 2))
     wait_for(lambda: colored(surfaces) == [True, False, True, False])
     assert surfaces.surface_distances.colors.are_same
-    surfaces.actions_.one_view.trigger()
+    surfaces.commands["compare.one_view"].trigger()
     assert colored(surfaces) == [False]
 
 
@@ -206,7 +229,7 @@ def test_an_exported_picture_has_the_colours_of_the_window(
 
 def test_a_volume_without_the_surface_says_so(surfaces: MainWindow, wait_for: Wait) -> None:
     isovalue_of(surfaces, 0, 250.0)
-    surfaces.actions_.distances.trigger()
+    surfaces.commands["compare.distances"].trigger()
     state = surfaces.compare_panel.distances.state
     wait_for(lambda: "without triangles" in state.text())
     assert colored(surfaces) == [False, False]

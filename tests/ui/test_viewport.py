@@ -97,7 +97,7 @@ def test_a_right_drag_moves_the_light_where_the_technique_has_one(window: MainWi
     assert light.position is not None
     assert window.viewport.view_camera == camera
     assert window.store.undo_label == "Move the light"
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert window.store.scene.light.headlight
     assert window.store.undo_label is None
 
@@ -131,7 +131,7 @@ def test_a_ctrl_drag_shifts_and_stretches_the_colours_as_one_step(window: MainWi
     assert min(moved) > 0
     assert max(moved) == pytest.approx(min(moved))
     assert window.viewport.view_camera == camera
-    window.actions_.undo.trigger()
+    window.commands["edit.undo"].trigger()
     assert window.store.scene.layer.transfer_function == before
     assert window.store.undo_label is None
 
@@ -162,7 +162,7 @@ def test_escape_takes_a_ctrl_drag_back(window: MainWindow) -> None:
 def test_the_first_view_is_filled_by_what_is_visible(window: MainWindow, wait_for: Wait) -> None:
     solid = TransferFunction.from_points([(100, (1, 1, 1, 0)), (150, (1, 1, 1, 1))])
     window.store.update(lambda scene: scene.with_layer(transfer_function=solid))
-    window.actions_.reset_camera.trigger()
+    window.commands["view.reset_camera"].trigger()
     wait_for(lambda: is_complete(window))
     rows, columns = np.nonzero(foreground(window))
     height, width = foreground(window).shape
@@ -193,7 +193,7 @@ def test_after_a_drag_the_complete_picture_comes(window: MainWindow, wait_for: W
     drag(window.viewport, centre(window), centre(window) + QPoint(30, 0))
     wait_for(lambda: is_complete(window))
     assert window.display.status.resolution == 1.0
-    wait_for(lambda: "full quality" in window.status_line.drawing.text())
+    wait_for(lambda: "full quality" in window.messages.status_line.drawing.text())
 
 
 @pytest.mark.parametrize("key", ["3", "s", "q", "e", "v", "b", "C", "w", "+", "-"])
@@ -211,7 +211,7 @@ def test_keys_of_vtk_and_pyvista_do_not_reach_the_scene(window: MainWindow, key:
 
 def test_the_axis_views_look_along_the_axes(window: MainWindow) -> None:
     for action, direction in zip(
-        window.actions_.axis_views,
+        [window.commands[f"view.from.{letter}"] for letter in "APLRSI"],
         [(0, 1, 0), (0, -1, 0), (-1, 0, 0), (1, 0, 0), (0, 0, -1), (0, 0, 1)],
         strict=True,
     ):
@@ -236,8 +236,8 @@ def test_the_pointer_tells_the_voxel_below_it(window: MainWindow, wait_for: Wait
     window.store.update(lambda scene: scene.with_layer(transfer_function=solid))
     QTest.mouseMove(window.viewport, centre(window) - QPoint(3, 3))
     QTest.mouseMove(window.viewport, centre(window))
-    wait_for(window.status_line.pointer.text)
-    text = window.status_line.pointer.text()
+    wait_for(window.messages.status_line.pointer.text)
+    text = window.messages.status_line.pointer.text()
     index = [int(n) for n in text[1 : text.index(")")].split(",")]
     assert text.endswith("200")
     # the middle of the picture shows the middle of the volume, seen from the front, where y is small
@@ -245,19 +245,19 @@ def test_the_pointer_tells_the_voxel_below_it(window: MainWindow, wait_for: Wait
     assert index[2] in (15, 16)
     assert index[1] in (3, 4, 5)
     QTest.mouseMove(window.viewport, QPoint(4, 4))
-    wait_for(lambda: not window.status_line.pointer.text())
+    wait_for(lambda: not window.messages.status_line.pointer.text())
 
 
 def test_floating_and_docking_a_panel_leaves_the_picture_as_it_was(
     window: MainWindow, wait_for: Wait
 ) -> None:
     before = picture(window)
-    for dock in window.docks:
+    for dock in window.docks.all:
         dock.setFloating(True)
         QTest.qWait(50)
         dock.setFloating(False)
         QTest.qWait(50)
-    window.reset_layout()
+    window.docks.reset()
     wait_for(lambda: is_complete(window))
     after = picture(window)
     if after.shape == before.shape:
@@ -291,7 +291,8 @@ def test_another_size_of_the_window_gives_a_right_picture(window: MainWindow, wa
 
 
 def test_box_axes_marker_and_bar_can_be_switched(window: MainWindow, wait_for: Wait) -> None:
-    for name, action in window.actions_.scenery.items():
+    for name in ("box", "axes", "marker", "bar"):
+        action = window.commands[f"view.{name}"]
         off = picture(window)
         was_on = action.isChecked()
         action.trigger()

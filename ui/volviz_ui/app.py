@@ -40,10 +40,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     from volviz_ui.application import make_application
 
     application = make_application()
+    from volviz_ui.commands.session import autosave_folder
     from volviz_ui.main_window import MainWindow
     from volviz_ui.memory import spare_lasting_objects
     from volviz_ui.preferences import Preferences
-    from volviz_ui.session_commands import autosave_folder
     from volviz_ui.theme import Theme
 
     preferences = Preferences()

@@ -19,13 +19,39 @@ class Dock(QDockWidget):
         Caption.
     widget : QWidget
         The panel.
+    tip : str
+        What the panel is for.
+    keys : tuple of str
+        Keys that open it.
     """
 
-    def __init__(self, name: str, title: str, widget: QWidget, parent: QMainWindow) -> None:
+    def __init__(
+        self, name: str, title: str, widget: QWidget, parent: QMainWindow, *, tip: str, keys: tuple[str, ...]
+    ) -> None:
         super().__init__(title, parent)
+        self.tip, self.keys = tip, keys
         self.setObjectName(name)
         self.setWidget(widget)
         self.setTitleBarWidget(_Title(self, title))
+        self.is_in_front = False
+        """Whether it is seen, and not only the tab that leads to it."""
+        self.visibilityChanged.connect(self._on_visibility_changed)
+        self.toggleViewAction().triggered.connect(lambda on: on and self.bring_up())
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is open, be it behind another one."""
+        return self.toggleViewAction().isChecked()
+
+    def bring_up(self) -> None:
+        """Open it and bring it to the front; a panel that takes keys gets them."""
+        self.show()
+        self.raise_()
+        if self.widget().focusProxy() is not None:
+            self.widget().setFocus()
+
+    def _on_visibility_changed(self, visible: bool) -> None:
+        self.is_in_front = visible
 
     def toggle_floating(self) -> None:
         """Between docked and floating."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
-from volviz.framing import default_camera
-from volviz.large_pictures import PictureInPieces
+from volviz.custom_gl.scene_techniques import render_spec
+from volviz.model.render_spec import View
 from volviz.model.scene import Scene
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.volume import Volume
+from volviz.renderer import Renderer
 from volviz_ui.views.scenery import background_picture
 from volviz_ui.workers import Task, Workers
 
@@ -69,7 +71,8 @@ class PictureExport(QObject):
         self._opaque = not transparent or self.path.lower().endswith(OPAQUE_SUFFIXES)
         self._workers = workers
         self._surface_colors = surface_colors
-        self._pieces: PictureInPieces | None = None
+        self._renderer: Renderer | None = None
+        self._turns: Iterator[Any] = iter(())
         self._pixels: npt.NDArray[np.uint8] | None = None
         self._task: Task | None = None
         self.is_over = False
@@ -90,33 +93,28 @@ class PictureExport(QObject):
 
     def _turn(self) -> None:
         try:
-            if self._pieces is None:
+            if self._renderer is None:
                 self._begin()
                 return
-            ready = self._pieces.advance(TURN_SECONDS)
-            if ready is not None:
-                self._take(*ready)
-            self.progressed.emit(self._pieces.progress)
-            if self._pieces.progress == 1.0:
+            fraction, part = next(self._turns)
+            if part is not None:
+                self._take(*part)
+            self.progressed.emit(fraction)
+            if fraction == 1.0:
                 self._write()
         except Exception as error:  # noqa: BLE001 - whatever drawing raises is told, the window goes on
             self._fail(error)
 
     def _begin(self) -> None:
-        scene, volume = self._scene, self._volume
-        function = scene.layer.transfer_function if scene.layer else None
+        spec, layer = render_spec(self._scene), self._scene.layer
         width, height = self._size
         self._pixels = np.zeros((height, width, 3 if self._opaque else 4), np.uint8)
-        self._pieces = PictureInPieces(
-            volume,
-            current_technique(scene).id,
-            self._size,
-            scene.view.camera or default_camera(volume, self._size, transfer_function=function),
-            transfer_function=function,
-            settings=current_settings(scene),
-            light=scene.light,
-            clipping=scene.clipping,
-            surface_colors=self._surface_colors,
+        self._renderer = Renderer(self._size)
+        self._turns = self._renderer.turns(
+            replace(spec, surface_colors=self._surface_colors),
+            View(self._scene.view.camera, self._size),
+            {} if layer is None else {layer.key: self._volume},
+            seconds=TURN_SECONDS,
         )
 
     def _take(self, region: tuple[int, int, int, int], part: npt.NDArray[np.float32]) -> None:
@@ -154,9 +152,10 @@ class PictureExport(QObject):
 
     def _release(self) -> None:
         self._timer.stop()
-        pieces, self._pieces = self._pieces, None
-        if pieces is not None:
-            pieces.close()
+        self._turns = iter(())
+        renderer, self._renderer = self._renderer, None
+        if renderer is not None:
+            renderer.close()
 
     def _end(self) -> None:
         self._release()

@@ -11,6 +11,7 @@ from volviz.volume_data.references import VolumeRef
 from volviz_ui.theme import Choice
 
 RECENT_LIMIT = 12
+USED_LIMIT = 8
 QUALITIES = ("balanced", "fast", "full")
 
 
@@ -94,6 +95,19 @@ class Preferences:
     def forget_recent(self) -> None:
         """Empty the list of files opened last."""
         self._settings.remove("recent")
+
+    @property
+    def used_commands(self) -> list[str]:
+        """Ids of the commands used last in the palette, the newest first."""
+        try:
+            return [str(ident) for ident in json.loads(str(self._settings.value("used_commands", "[]")))]
+        except (ValueError, TypeError):
+            return []
+
+    def add_used_command(self, ident: str) -> None:
+        """Remember a command that was used."""
+        others = [other for other in self.used_commands if other != ident]
+        self._settings.setValue("used_commands", json.dumps([ident, *others][:USED_LIMIT]))
 
 
 def _hints(values: dict[str, Any]) -> tuple[tuple[str, Any], ...]:

@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.registry import technique
+from volviz.custom_gl.scene_techniques import current_settings, current_technique, distance_coloring
+from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
+from volviz.model.parameters import setting_values
 from volviz.model.scene import Scene
+from volviz.model.surface_values import DistanceColoring
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
 
 
@@ -29,10 +33,13 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     hints = "".join(f", {key}={value!r}" for key, value in layer.volume.hints)
     points = layer.transfer_function.points
     regions = _regions(layer.transfer_function.by_gradient)
+    coloring = distance_coloring(scene)
     lines = ["import volviz"]
     if regions:
         lines = ["from dataclasses import replace", "", *lines]
         lines += ["from volviz.model.transfer_function_2d import Region, TransferFunction2D"]
+    if coloring is not None:
+        lines += ["from volviz.model.surface_values import DistanceColoring"]
     lines += ["", f"volume = volviz.load({layer.volume.source!r}{hints})"]
     lines += ["transfer_function = volviz.TransferFunction.from_points(", "    ["]
     lines += [f"        ({_number(p.value)}, {_tuple(p.rgba)})," for p in points]
@@ -42,21 +49,40 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     if layer.transfer_function.opacity != 1.0:
         opacity = _number(layer.transfer_function.opacity)
         lines[-1] += f".with_opacity({opacity})"
-    lines += regions
+    lines += regions + _coloring(coloring)
     info = current_technique(scene)
     lines += ["picture = volviz.render(", "    volume,", f"    {info.id!r},"]
     lines += ["    transfer_function=transfer_function,", f"    size={size},"]
     if scene.view.camera is not None:
         lines += [f"    camera={_camera(scene.view.camera)},"]
-    lines += _light(scene.light) + _clipping(scene.clipping)
-    settings = current_settings(scene)
-    default = info.settings()
-    for parameter in info.parameters:
-        value = getattr(settings, parameter.name)
-        if value != getattr(default, parameter.name):
-            lines.append(f"    {parameter.name}={_value(value)},")
+    lines += _light(scene.light, info) + _clipping(scene.clipping)
+    lines += [f"    {setting}," for setting in _settings(info, current_settings(scene))]
+    if coloring is not None:
+        lines += ["    surface_colors=surface_colors,"]
     lines += [")", ""]
     return "\n".join(lines)
+
+
+def _settings(info: TechniqueInfo, settings: Any) -> list[str]:
+    """Settings that are not at their defaults, as keywords."""
+    defaults = setting_values(info.settings())
+    return [
+        f"{name}={_value(value)}"
+        for name, value in setting_values(settings).items()
+        if value != defaults[name]
+    ]
+
+
+def _coloring(coloring: DistanceColoring | None) -> list[str]:
+    """The distance to another surface that this one is coloured by; it is measured anew."""
+    if coloring is None:
+        return []
+    info = technique(coloring.technique)
+    settings = ", ".join(_settings(info, coloring.settings))
+    lines = [f"other = volviz.techniques()[{info.id!r}].settings({settings})"]
+    options = "" if coloring.signed else ", signed=False"
+    options += "" if coloring.limit is None else f", limit={_number(coloring.limit)}"
+    return [*lines, f"surface_colors = DistanceColoring({info.id!r}, other{options})"]
 
 
 def _regions(by_gradient: TransferFunction2D | None) -> list[str]:
@@ -80,8 +106,11 @@ def _camera(camera: Camera) -> str:
     return f"volviz.Camera({', '.join(parts)})"
 
 
-def _light(light: Light) -> list[str]:
+def _light(light: Light, info: TechniqueInfo) -> list[str]:
     lines = []
+    if light.headlight and "light" in info.handles:
+        # such techniques would begin with a placed light
+        lines.append("    headlight=True,")
     if not light.headlight:
         lines.append("    headlight=False,")
         if light.position is not None:

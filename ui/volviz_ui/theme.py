@@ -167,6 +167,12 @@ def style_sheet(colors: Colors) -> str:
     QToolTip {{
         background: {c.tooltip}; color: {c.tooltip_text}; border: 1px solid {c.border}; padding: 4px 6px;
     }}
+    QFrame#palette {{ background: {c.panel}; border: 1px solid {c.border}; }}
+    QFrame#palette QListView {{ background: {c.panel}; }}
+    QLineEdit#palette_line {{
+        background: {c.base}; border: 1px solid {c.border}; border-radius: 5px; padding: 5px 6px;
+    }}
+    QLineEdit#palette_line:focus {{ border-color: {c.accent}; }}
     QFrame#banner {{ background: {c.panel}; border: 1px solid {c.border}; border-radius: 6px; }}
     """
 
@@ -183,7 +189,7 @@ class Theme(QObject):
     """
 
     about_to_change = Signal()
-    """Every widget that there is will be dressed anew: what nobody sees may go before."""
+    """Emitted before all widgets get a new style sheet; hidden ones that can be made again may be deleted."""
     changed = Signal()
 
     def __init__(self, application: QApplication, choice: Choice = "system") -> None:

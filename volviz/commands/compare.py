@@ -181,7 +181,7 @@ def view_of(
 ) -> View:
     """What all sides show: transfer function, camera, light and clipping from the options."""
     from volviz.compare.stage import View
-    from volviz.custom_gl.host.shown import split_values
+    from volviz.custom_gl.arguments import split_values
     from volviz.custom_gl.registry import technique
     from volviz.model.clipping import Clipping
     from volviz.model.light import Light

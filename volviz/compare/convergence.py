@@ -16,24 +16,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.convergence_studies import (
-    STRIDE_CELLS,
-    Study,
-    diagonal,
-    fitted_line,
-    splat_distance,
-    study,
-    why_not,
-)
 from volviz.compare.meshes import side_mesh
 from volviz.compare.samples import ray_samples
-from volviz.compare.shadow_integral import has_shadow_integral, shadow_integral
 from volviz.compare.stage import Stage, View
 from volviz.compare.surface_distance import surface_distance
+from volviz.custom_gl.oracles import OracleScene
 from volviz.custom_gl.registry import technique as technique_info
+from volviz.custom_gl.study import STRIDE_CELLS, Study, diagonal, splat_distance
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import InputError
+from volviz.kernels.slices import crop_corners
 from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.light import default_position
 from volviz.model.volume import Volume
 
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
@@ -43,6 +37,8 @@ MESH_SAMPLES = 100_000
 #: Pixels of the picture whose distance from the integral with shadow rays is told: every ray needs many of them. They
 #: become fewer where the volume's diagonal is longer than so many voxels.
 INTEGRAL_PIXELS, INTEGRAL_DIAGONAL = 80 * 60, 400.0
+#: Step of its rays and shadow rays, in voxels of the smallest spacing.
+INTEGRAL_STEP = 0.5
 LEVELS, VOXELS = "levels of 255", "voxels"
 
 
@@ -119,7 +115,7 @@ class ConvergenceRun:
     settings : mapping, optional
         Settings that differ from the defaults.
     how : Study, optional
-        What is varied; by default what `volviz.compare.convergence_studies` says of the technique.
+        What is varied; by default what the technique declares (`TechniqueInfo.study`).
 
     Raises
     ------
@@ -173,9 +169,10 @@ class ConvergenceRun:
 
     def _converged(self) -> tuple[npt.NDArray[np.float64], str]:
         technique, given = self._info.id, dict(self._settings)
-        if not self._study.own:
+        if self._study.converged:
             # slices are limited in number; the integral is the same
-            technique, given = "raycast", self._as_raycast(given)
+            technique = self._study.converged
+            given = _settings_of(technique, given)
         best = self._as_setting(self._study.best)
         given[self._study.parameter] = best
         if self._study.parameter == "splats_per_axis":
@@ -187,24 +184,22 @@ class ConvergenceRun:
     def _offset(self, truth: npt.NDArray[np.float64]) -> tuple[float | None, str]:
         """Distance of a technique's own limit from what it stands for, and what that is in words."""
         best = self._study.best
-        if self._info.id == "half_angle":
+        if self._study.is_exact is not None and self._info.oracle is not None:
             share = min((INTEGRAL_DIAGONAL / diagonal(self._view.volume)) ** 2, 1.0)
             view = smaller(self._view, round(share * INTEGRAL_PIXELS))
             with Stage(view, self._info.id, self._settings | {"step": best}) as stage:
-                if stage.notice or not has_shadow_integral(view, stage.settings):
+                scene = oracle_scene(view, INTEGRAL_STEP)
+                if stage.notice or not self._study.is_exact(scene, stage.settings):
                     return None, ""
                 drawn = stage.picture("float32").astype(np.float64)
-                exact = shadow_integral(view, stage.settings)
+                rgba = self._info.oracle(scene, stage.settings)
+            exact = rgba[..., :3] + (1.0 - rgba[..., 3:]) * np.asarray(view.background)
             return _rms(drawn - exact), "the integral with a shadow ray from every sample"
-        if "raycast" in self._info.counterpart_of and self._study.own and self._study.parameter == "step":
-            given = self._as_raycast(self._settings) | {"step": best}
-            return _rms(truth - self._picture(self._view, "raycast", given)), f"raycast with step = {best:g}"
+        if self._study.beside:
+            other = self._study.beside
+            given = _settings_of(other, self._settings) | {"step": best}
+            return _rms(truth - self._picture(self._view, other, given)), f"{other} with step = {best:g}"
         return None, ""
-
-    def _as_raycast(self, settings: Mapping[str, Any]) -> dict[str, Any]:
-        info = technique_info("raycast")
-        known = {p.name for p in info.parameters}
-        return {k: v for k, v in settings.items() if k in known} | {"first_sample": 0.5} | _exact(info)
 
     def _picture(self, view: View, technique: str, settings: Mapping[str, Any]) -> npt.NDArray[np.float64]:
         with Stage(view, technique, settings) as stage:
@@ -273,6 +268,69 @@ class ConvergenceRun:
         )  # fmt: skip
 
 
+def study(info: TechniqueInfo, volume: Volume) -> Study | None:
+    """How the convergence of a technique is measured on a volume; None where nothing can be refined."""
+    return None if info.study is None else info.study(volume)
+
+
+def why_not(info: TechniqueInfo) -> str:
+    """Why a technique for which there is no study has no order of convergence, in a sentence."""
+    if info.study is not None:
+        return f"{info.id} has no order of convergence here: the volume has too few voxels to leave some out."
+    if "plane" in info.handles:
+        return f"{info.id} looks its surface up once a pixel: there is nothing in its picture to refine."
+    return f"{info.id} has no setting whose refinement its picture is known to converge with."
+
+
+def fitted_line(
+    distances: Sequence[float], errors: Sequence[float], finest: float = 0.0, least: float = 0.0
+) -> tuple[float, float]:
+    """Factor c and exponent p of an error c * distance^p, least squares of the logarithms.
+
+    Parameters
+    ----------
+    distances, errors : sequences of floats
+        Above 0; points at or below `least` are left out.
+    finest : float, default: 0.0
+        Where the errors were taken against the picture at this distance instead of the limit, they are
+        c * (distance^p - finest^p): fitted that way, a short series has the order of a long one.
+    least : float, default: 0.0
+        Errors that are rounding.
+
+    Returns
+    -------
+    tuple of 2 floats
+        c and p; (NaN, NaN) with fewer than two points.
+    """
+    points = [(d, e) for d, e in zip(distances, errors, strict=True) if e > least and d > finest * (1 + 1e-9)]
+    if len({d for d, _ in points}) < 2:
+        return math.nan, math.nan
+    x, y = np.log(np.array(points)).T
+    if finest <= 0.0:
+        slope, offset = np.polyfit(x, y, 1)
+        return math.exp(float(offset)), float(slope)
+    powers = np.linspace(0.05, 6.0, 2381)[:, None]
+    # log(distance^p - finest^p), kept exact where the two are close
+    shapes = powers * x + np.log1p(-np.exp(powers * (math.log(finest) - x)))
+    rest = y - shapes
+    number = int(np.argmin(rest.var(axis=1)))
+    return math.exp(float(rest[number].mean())), float(powers[number, 0])
+
+
+def oracle_scene(view: View, step: float) -> OracleScene:
+    """What an oracle draws of a view, with samples a number of voxels of the smallest spacing apart."""
+    volume, light = view.volume, view.light
+    corners = crop_corners(volume.index_to_world, None, volume.dimensions)
+    width, height = view.size
+    modelview, projection = view.camera.matrices(width / height, view.camera.clipping_range(corners))
+    placed = replace(light, position=light.position or default_position(volume.bounds))
+    return OracleScene(
+        volume.array, volume.spacing, view.transfer_function, volume.range, volume.mean_spacing,
+        step * min(volume.spacing), modelview, projection, view.size, volume.origin, volume.direction,
+        light=light if light.headlight else placed, clipping=view.clipping,
+    )  # fmt: skip
+
+
 def smaller(view: View, most_pixels: int) -> View:
     """The view with at most so many pixels, of the same proportions."""
     width, height = view.size
@@ -297,6 +355,13 @@ def cropped_to(volume: Volume, cells: int) -> Volume:
 def _rms(difference: npt.NDArray[np.float64]) -> float:
     """Root of the mean squared difference in levels of 0..255."""
     return float(255.0 * np.sqrt(np.mean(difference**2)))
+
+
+def _settings_of(technique: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings that a technique knows, so that only its discretisation is left."""
+    info = technique_info(technique)
+    known = {p.name for p in info.parameters}
+    return {k: v for k, v in settings.items() if k in known} | {"first_sample": 0.5} | _exact(info)
 
 
 def _exact(info: TechniqueInfo) -> dict[str, Any]:

@@ -8,10 +8,14 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.distance_map import DistanceMap
+from volviz.compare.distance_map import DistanceMap, distance_maps
 from volviz.compare.mesh_differences import position_tolerance
+from volviz.compare.meshes import drawn_mesh
+from volviz.custom_gl.resolve import Volumes, resolve
 from volviz.errors import InputError
-from volviz.model.surface_values import SurfaceColors
+from volviz.model.parameters import setting_values
+from volviz.model.render_spec import RenderSpec
+from volviz.model.surface_values import DistanceColoring, SurfaceColors
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -79,6 +83,34 @@ def distance_colors(
     first, second = (SurfaceColors(each.values, -top if is_signed else 0.0, top, table) for each in maps)
     at_vertices = max(each.maximum_at_vertices for each in maps)
     return DistanceColors(first, second, top, largest, is_signed, are_same, at_vertices <= rounding)
+
+
+def colors_of(spec: RenderSpec, volumes: Volumes | None = None) -> SurfaceColors:
+    """The colours that a spec wishes for its surface: by its distance to the one that another technique draws.
+
+    Parameters
+    ----------
+    spec : RenderSpec
+        With a `DistanceColoring`.
+    volumes : mapping of VolumeKey to Volume, optional
+        What has been read of the references in its layers.
+
+    Raises
+    ------
+    InputError
+        One of the two draws no triangles.
+    """
+    wish = spec.surface_colors
+    assert isinstance(wish, DistanceColoring)
+    meshes = []
+    for side in (spec.drawn_by(spec.technique, spec.settings), spec.drawn_by(wish.technique, wish.settings)):
+        shown = resolve(side, volumes)
+        mesh = drawn_mesh(shown.volume, shown.info.id, setting_values(shown.settings))
+        if mesh is None:
+            raise InputError(f"{shown.info.id} draws no mesh, so there is no distance to colour by.")
+        meshes.append(mesh)
+    maps = distance_maps(meshes[0], meshes[1], signed=wish.signed)
+    return distance_colors(maps, shown.volume.spacing, wish.limit).first
 
 
 @cache

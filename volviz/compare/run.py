@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.convergence import Convergence, ConvergenceRun
-from volviz.compare.convergence_studies import study, why_not
+from volviz.compare.convergence import Convergence, ConvergenceRun, study, why_not
 from volviz.compare.distance_map import distance_figures, distance_maps
 from volviz.compare.distance_pictures import DistancePictures, distance_pictures
 from volviz.compare.machine import machine_facts, version_facts
@@ -37,8 +36,6 @@ from volviz.errors import InputError
 from volviz.model.parameters import Parameter, parameters_of
 from volviz.model.volume import Volume
 
-#: Techniques that are drawn once: an oracle has all the time in the world.
-UNTIMED = ("reference",)
 #: Seconds for the frame times of each side.
 TIMING_SECONDS = 20.0
 
@@ -143,7 +140,8 @@ class ComparisonRun:
                 renderer = renderer or stage.renderer
                 results[side.name] = self._side_result(side, stage)
             times: dict[str, FrameTimes] = {}
-            timed = {name: s for name, s in stages.items() if results[name].technique not in UNTIMED}
+            # an oracle has all the time in the world
+            timed = {name: stage for name, stage in stages.items() if not stage.technique.is_oracle}
             if self._frames and timed:
                 timer = stage_timer(timed, self._frames, patience=self._patience)
                 for fraction in timer.steps():
@@ -153,7 +151,9 @@ class ComparisonRun:
             yield 0.6, f"measuring the mesh of {side.name}"
             results[side.name] = self._with_figures(results[side.name], times.get(side.name))
         pairs = []
-        for first, second in picture_pairs(list(results)):
+        for first, second in picture_pairs(
+            list(results), [s.name for s in self._sides if technique(s.technique).is_oracle]
+        ):
             yield 0.7, f"comparing {first} and {second}"
             pairs.append(self._pair(results[first], results[second]))
         orders: list[Convergence] = []

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.registry import technique as technique_info
 from volviz.kernels.reference_rays import box_interval, index_limits, plane_interval
-from volviz.kernels.slices import box_distance_range, crop_corners
+from volviz.kernels.slices import crop_corners
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.volume import Volume
@@ -23,11 +24,6 @@ Float64Array = npt.NDArray[np.float64]
 
 #: At most so many rays are looked at, evenly over the picture.
 MOST_RAYS = 40_000
-#: Techniques that go along rays, or through slices that stand across them.
-ALONG_RAYS = (
-    "raycast", "slicing", "two_pass_raycast", "isosurface", "half_angle", "reference",
-    "vtk_gpu", "vtk_fixed_point", "vtk_isosurface", "vtk_shadows",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -71,23 +67,23 @@ def ray_samples(
     settings : object
         With a ``step`` in voxels of the smallest spacing, and perhaps a number of ``slices``.
     """
-    if technique not in ALONG_RAYS or not hasattr(settings, "step"):
+    view_slices = technique_info(technique).view_slices
+    if not hasattr(settings, "step"):
         return None
     clipping = clipping or Clipping()
     starts, directions = camera_rays(camera, size)
     lengths = _lengths(volume, starts, directions, clipping)
     met = lengths > 0
     distance = float(settings.step) * min(volume.spacing)
-    slices = getattr(settings, "slices", None)
-    if technique == "slicing":
+    if view_slices is not None:
         corners = crop_corners(
             volume.index_to_world, clipping.crop_within(volume.dimensions), volume.dimensions
         )
-        low, high = box_distance_range(corners, camera.direction)
-        distance = (high - low) / (slices or math.ceil((high - low) / distance - 1e-9))
-        lengths = lengths * np.abs(directions @ np.asarray(camera.direction))
-        counts = lengths / distance
-    elif slices is not None:
+        forward = np.asarray(camera.direction)
+        low, high, number = view_slices(settings, corners, forward, distance)
+        distance = (high - low) / number
+        counts = lengths * np.abs(directions @ forward) / distance
+    elif getattr(settings, "slices", None) is not None:
         # their direction depends on the light
         return None
     else:

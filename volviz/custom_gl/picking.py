@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.settings import CommonSettings
 from volviz.kernels.reference_rays import box_interval, index_limits, plane_interval
 from volviz.kernels.surface_pick import PixelRay, surface_on_ray, values_at
-from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
@@ -56,22 +56,26 @@ class Sight:
 
     Attributes
     ----------
-    volume, transfer_function, settings
-        As they are drawn; a function with `by_gradient` shows its regions.
+    volume, transfer_function, settings, common
+        As they are drawn (see `Frame`); a function with `by_gradient` shows its regions.
     ray : PixelRay
         In the world.
     crop : tuple of 6 floats
         Box that is shown, in continuous voxel indices.
     planes : sequence of (origin, normal)
         Clip planes in world space.
+    isovalues : tuple of floats
+        Of the surfaces that are shown, in data units.
     """
 
     volume: Volume
     transfer_function: TransferFunction
     settings: Any
+    common: CommonSettings
     ray: PixelRay
     crop: tuple[float, float, float, float, float, float]
     planes: Sequence[tuple[Vector, Vector]] = ()
+    isovalues: tuple[float, ...] = ()
 
     def interval(self) -> tuple[float, float] | None:
         """World distances at which the ray enters and leaves what is shown of the box; None when it misses."""
@@ -96,14 +100,14 @@ class Sight:
 
     def values(self, t: Any) -> Float64Array:
         """Scalars in data units at distances along the ray, as the picture interpolates them."""
-        nearest = getattr(self.settings, "interpolation", "linear") == "nearest"
+        nearest = self.common.interpolation == "nearest"
         return values_at(
             self.volume.array, self.indices(t), nearest=nearest, lowest=float(self.volume.range[0])
         )
 
     def gradients(self, t: Float64Array) -> Float64Array:
         """Gradient magnitudes at distances along the ray, in data units per world unit, as shaders see them."""
-        delta = float(getattr(self.settings, "gradient_delta", 1.0))
+        delta = self.common.gradient_delta
         index = self.indices(t)
         slopes = np.empty_like(index)
         for axis in range(3):
@@ -123,7 +127,7 @@ class Sight:
         else:
             found = function.by_gradient.evaluate(values, self.gradients(t))[:, 3] * function.opacity
         low, high = self.volume.range
-        threshold = low + float(getattr(self.settings, "density_threshold", 0.0)) * (high - low)
+        threshold = low + self.common.density_threshold * (high - low)
         return np.where(values < threshold, 0.0, np.clip(found, 0.0, 1 - 1e-9))
 
     def picked(self, t: float, isovalue: float | None = None) -> Picked:
@@ -145,7 +149,7 @@ def first_visible(sight: Sight) -> Picked | None:
     t = near + (np.arange(count) + 0.5) * (far - near) / count
     values = sight.values(t)
     opacities = sight.opacities(t, values)
-    mode = getattr(sight.settings, "mode", "composite")
+    mode = sight.common.mode
     if mode in {"maximum", "minimum"}:
         at = int(np.argmax(values) if mode == "maximum" else np.argmin(values))
         return sight.picked(t[at]) if opacities[at] > 0 else None
@@ -184,6 +188,5 @@ def surface(
 
 
 def on_isovalue(sight: Sight) -> Picked | None:
-    """The surface at the setting ``isovalue``, for techniques that show one; None = from the histogram."""
-    chosen = sight.settings.isovalue
-    return surface(sight, (float(auto_isovalue(sight.volume) if chosen is None else chosen),))
+    """The surface that is seen, for techniques that show one."""
+    return surface(sight, sight.isovalues)

@@ -10,8 +10,10 @@ from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.light import Light
 from volviz.model.parameters import Parameter
+from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Scene
 from volviz.model.store import Store
+from volviz.model.surface_values import DistanceColoring
 
 
 def drawing_techniques() -> list[TechniqueInfo]:
@@ -80,3 +82,35 @@ def reset_settings(store: Store, label: str) -> None:
         return scene.with_view(settings=scene.view.with_settings(info.id, info.settings()).settings)
 
     store.update(change, label=label)
+
+
+def render_spec(scene: Scene, view: int | None = None) -> RenderSpec:
+    """What a view of the scene shows, the active one unless another is named."""
+    return RenderSpec(
+        scene.layers,
+        current_technique(scene, view).id,
+        current_settings(scene, view),
+        scene.light,
+        scene.clipping,
+        distance_coloring(scene, view),
+    )
+
+
+def distance_coloring(scene: Scene, view: int | None = None) -> DistanceColoring | None:
+    """The distance that the surface of a view is to be coloured by; None where the scene asks for none.
+
+    That takes a compared pair of views whose techniques both draw triangles.
+    """
+    pair, comparison = scene.pair, scene.comparison
+    index = scene.active_index if view is None else view
+    if pair is None or index not in pair or comparison.distances == "off":
+        return None
+    other = pair[1 - pair.index(index)]
+    if not all(current_technique(scene, each).colors_surface for each in pair):
+        return None
+    return DistanceColoring(
+        current_technique(scene, other).id,
+        current_settings(scene, other),
+        comparison.distances == "signed",
+        comparison.distance_limit,
+    )

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
-from volviz.model.parameters import Cost, parameter
+from volviz.model.parameters import Cost, parameter, setting_values
 
 MODES = (
     ("composite", "Compositing"),
@@ -215,6 +215,40 @@ class PreintegrationSettings:
         cost=Cost.PROGRAM,
         enabled_by=("mode", ("composite",)),
     )
+
+
+@dataclass(frozen=True)
+class CommonSettings:
+    """What the parts that all techniques share read of a technique's settings.
+
+    A setting of one of these names means the same in every technique; a technique without it has the value that
+    stands here. The fields are described in `SamplingSettings`, `ShadingSettings` and `PreintegrationSettings`.
+    """
+
+    mode: str = "composite"
+    attenuation: float = 1.0
+    step: float = 0.5
+    first_sample: float = 0.5
+    opacity_unit_distance: float | None = None
+    density_threshold: float = 0.0
+    interpolation: str = "linear"
+    mipmaps: bool = False
+    jitter: bool = False
+    early_termination: float = 1.0 - 1.0 / 255.0
+    preintegrated: bool = False
+    shading: bool = False
+    ambient: float = 0.25
+    diffuse: float = 0.75
+    specular: float = 0.25
+    shininess: float = 30.0
+    gradient_delta: float = 1.0
+    gradient_opacity: float = 0.0
+
+
+def common_settings(settings: Any) -> CommonSettings:
+    """The settings of a technique as the shared parts read them."""
+    names = {field.name for field in dataclasses.fields(CommonSettings)}
+    return CommonSettings(**{n: value for n, value in setting_values(settings).items() if n in names})
 
 
 def taken_from(settings: type[Any], name: str, **changes: Any) -> Any:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 
@@ -15,19 +16,23 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.matching import Matching
-from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES
+from volviz.custom_gl.settings import CLASSIFYING_MODES, MODES, CommonSettings, common_settings
 from volviz.kernels.slices import crop_corners
-from volviz.model.parameters import Cost, Parameter, parameters_of
+from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import Cost, Parameter, parameters_of, setting_values
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.context import Gpu
     from volviz.custom_gl.gpu.programs import Program
     from volviz.custom_gl.gpu.resources import VolumeResources
     from volviz.custom_gl.gpu.targets import Target
+    from volviz.custom_gl.oracles import OracleScene
     from volviz.custom_gl.picking import Picked, Sight
+    from volviz.custom_gl.study import Study
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
+    from volviz.tasks import Tasks
 
 Tile = tuple[int, int, int, int]
 Matrix = npt.NDArray[np.float64]
@@ -73,11 +78,28 @@ class TechniqueInfo:
         Finds what is seen along a ray (`volviz.custom_gl.picking.Sight`); None where the first visible place is meant.
     needs_textures : bool
         Whether an image technique reads `Frame.resources`; those of the kind "prop" never do.
+    isovalue_setting : str
+        Name of the setting that holds the isovalue, or the isovalues, of the surfaces that it shows, in data units and
+        None for automatic; empty for techniques that show none.
     matching : Matching
         How its settings meet those of its counterparts.
     extraction : str
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
+    study : callable or None
+        Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
+        nothing in its pictures to refine.
+    oracle : callable or None
+        Draws what it shows with some settings by a float64 oracle, as nearly as that knows it: premultiplied RGBA of
+        shape (H, W, 4), row 0 at the top.
+    is_oracle : bool
+        It is an oracle itself: its frame times say nothing, and everything is compared with it.
+    samples_rays : bool
+        It gathers samples along rays, or in slices across them, as `volviz.kernels.reference_profile` does with its
+        settings.
+    view_slices : callable or None
+        For samples in slices perpendicular to the view: from settings, world corners of what is shown (8, 3), direction
+        of the view and step in world units the distances between which slices lie, and their number.
     """
 
     id: str
@@ -97,8 +119,14 @@ class TechniqueInfo:
     needs_textures: bool = True
     colors_surface: bool = False
     pick: Callable[[Sight], Picked | None] | None = None
+    isovalue_setting: str = ""
     matching: Matching = field(default_factory=Matching)
     extraction: str = ""
+    study: Callable[[Volume], Study | None] | None = None
+    oracle: Callable[[OracleScene, Any], Matrix] | None = None
+    is_oracle: bool = False
+    samples_rays: bool = False
+    view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 
     @property
     def uses_textures(self) -> bool:
@@ -109,6 +137,27 @@ class TechniqueInfo:
     def parameters(self) -> tuple[Parameter, ...]:
         """Descriptions of its settings."""
         return parameters_of(self.settings)
+
+    @property
+    def isovalue_parameter(self) -> Parameter | None:
+        """Description of the setting that holds its isovalues; None where it shows no isosurface."""
+        return next((p for p in self.parameters if p.name == self.isovalue_setting), None)
+
+    def isovalues(self, settings: Any, volume: Volume) -> tuple[float, ...]:
+        """Values of the isosurfaces that it shows of a volume with these settings, in data units; empty for none."""
+        if not self.isovalue_setting:
+            return ()
+        value = getattr(settings, self.isovalue_setting)
+        if value is None:
+            return (float(auto_isovalue(volume)),)
+        return tuple(float(v) for v in value) if isinstance(value, tuple) else (float(value),)
+
+    def isovalue_values(self, isovalues: Sequence[float]) -> dict[str, Any]:
+        """The setting, by name, that shows surfaces of these values; one setting holds the first of them only."""
+        parameter = self.isovalue_parameter
+        if parameter is None:
+            return {}
+        return {parameter.name: tuple(isovalues) if parameter.kind == "floats" else isovalues[0]}
 
 
 def regions_unused(info: TechniqueInfo, settings: Any) -> str:
@@ -123,7 +172,7 @@ def regions_unused(info: TechniqueInfo, settings: Any) -> str:
     """
     if not info.by_gradient:
         return f"{info.label} draws the curve; regions over value and gradient wait."
-    mode = getattr(settings, "mode", "composite")
+    mode = common_settings(settings).mode
     if mode not in CLASSIFYING_MODES:
         label = dict(MODES).get(mode, mode)
         return f"{label} classifies one value per ray and draws the curve; regions wait."
@@ -142,7 +191,8 @@ def drawn_function(info: TechniqueInfo, settings: Any, function: TransferFunctio
 
 def surface_settings(settings: Any) -> dict[str, Any]:
     """The settings that decide which triangles a technique extracts, by name: those whose change costs `DATA`."""
-    return {p.name: getattr(settings, p.name) for p in parameters_of(type(settings)) if p.cost is Cost.DATA}
+    costs = {p.name: p.cost for p in parameters_of(type(settings))}
+    return {name: value for name, value in setting_values(settings).items() if costs[name] is Cost.DATA}
 
 
 @dataclass(frozen=True)
@@ -195,6 +245,12 @@ class Frame:
         In data units; with `by_gradient` only where regions are to be drawn (see `drawn_function`).
     settings : object
         Instance of the technique's settings class.
+    common : CommonSettings
+        The same as the parts that all techniques share read it.
+    isovalues : tuple of floats
+        Values of the isosurfaces to be shown, in data units (`TechniqueInfo.isovalue_setting`).
+    unit_distance : float
+        Length of ray to which the opacities of the transfer function refer, in world units.
     camera : FrameCamera
         Where the eye is.
     light_position : ndarray of shape (3,)
@@ -220,7 +276,10 @@ class Frame:
     tiles : tuple of (x, y, width, height)
         Parts of the target that the box touches, for techniques that work pixel by pixel.
     uniforms : dict
-        Uniforms that all shaders share, by name; see ``glsl/``.
+        Uniforms that all shaders share, by name, as `apply` sets them; techniques read the properties instead.
+    tasks : Tasks
+        Where the technique has its work done that takes longer than a turn of an event loop; closed when the
+        technique is released. Each task that ends asks for another frame.
     filter_triangles : callable or None
         Smooths and decimates triangles (VTK's filters); may be called on any thread, see
         `volviz.custom_gl.host.mesh_filters.filter_triangles`.
@@ -240,6 +299,9 @@ class Frame:
     resources: VolumeResources
     transfer_function: TransferFunction
     settings: Any
+    common: CommonSettings
+    isovalues: tuple[float, ...]
+    unit_distance: float
     camera: FrameCamera
     light_position: Matrix
     light_color: tuple[float, float, float]
@@ -253,6 +315,7 @@ class Frame:
     interactive: bool
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
+    tasks: Tasks
     filter_triangles: Callable[..., Any] | None = None
     read_triangles: Callable[..., Any] | None = None
     surface_colors: SurfaceColors | None = None
@@ -262,16 +325,49 @@ class Frame:
         """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
         return crop_corners(self.volume.index_to_world, self.crop, self.volume.dimensions)
 
+    @cached_property
+    def texture_to_world(self) -> Matrix:
+        """4 x 4 matrix from texture coordinates of the selected level to the world."""
+        scale, offset = self.resources.texels.index_to_texture
+        to_index = np.eye(4)
+        to_index[:3, :3] = np.diag(1.0 / scale)
+        to_index[:3, 3] = -offset / scale
+        return np.asarray(self.volume.index_to_world @ to_index)
+
+    @cached_property
+    def world_to_texture(self) -> Matrix:
+        """Its inverse."""
+        return np.asarray(np.linalg.inv(self.texture_to_world))
+
+    @cached_property
+    def texture_to_clip(self) -> Matrix:
+        """4 x 4 matrix from texture coordinates to clip space."""
+        return np.asarray(self.camera.view_projection @ self.texture_to_world)
+
+    def recentred(self, to_world: Matrix) -> Matrix:
+        """A 4 x 4 matrix to the world as one to centred coordinates: world units from the middle of the volume."""
+        moved = to_world.copy()
+        # in float64, before shaders round to float32
+        moved[:3, 3] -= self.volume.center
+        return moved
+
+    @cached_property
+    def viewpoint(self) -> Matrix:
+        """World position from which surfaces are seen; far behind the view for parallel projection."""
+        if not self.camera.parallel:
+            return self.camera.eye
+        extent = float(np.linalg.norm(self.volume.extent))
+        return np.asarray(np.array(self.volume.center) - self.camera.direction * (1e4 * extent))
+
+    @property
+    def light_source(self) -> Matrix:
+        """World position from which the light comes: the viewpoint for a headlight."""
+        return self.viewpoint if self.headlight else self.light_position
+
     @property
     def step_world(self) -> float:
         """Distance between samples in world units (settings that have a ``step``)."""
-        return float(self.settings.step) * min(self.volume.spacing) * self.step_scale
-
-    @property
-    def unit_distance(self) -> float:
-        """Opacity unit distance in world units."""
-        chosen = getattr(self.settings, "opacity_unit_distance", None)
-        return self.volume.mean_spacing if chosen is None else float(chosen)
+        return float(self.common.step) * min(self.volume.spacing) * self.step_scale
 
     def program(
         self,
@@ -285,21 +381,40 @@ class Frame:
     ) -> Program:
         """A program with the defines that depend on the frame, ready to draw (see `apply`).
 
-        ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at, ``BY_GRADIENT`` when the transfer function
-        is one of value and gradient; ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY`` follow the settings of
-        these names and can be overridden. `many_vertices` is True for meshes and splats. `table_length` is the length
-        of ray, in unit distances, to which opacities in the table of the transfer function belong; None is one.
+        Parameters
+        ----------
+        vertex, fragment : Path
+            Shader files.
+        defines : mapping, optional
+            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at) and ``NEAREST``, ``SHADING`` and
+            ``GRADIENT_OPACITY``, which follow the settings of these names; can override them.
+        hooks : mapping, optional
+            Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
+            unless they are named.
+        many_vertices : bool, default: False
+            Meshes and splats, whose vertex shader is kept free of other work.
+        table_length : float, optional
+            Length of ray, in unit distances, to which opacities in the table of the transfer function belong; None
+            is one.
         """
-        settings = self.settings
+        common = self.common
         shared: dict[str, object] = {
             "SCENE_DEPTH": self.scene_depth is not None,
-            "NEAREST": getattr(settings, "interpolation", "linear") == "nearest",
-            "SHADING": bool(getattr(settings, "shading", False)),
-            "GRADIENT_OPACITY": getattr(settings, "gradient_opacity", 0.0) > 0,
-            "BY_GRADIENT": self.transfer_function.by_gradient is not None,
+            "NEAREST": common.interpolation == "nearest",
+            "SHADING": common.shading,
+            "GRADIENT_OPACITY": common.gradient_opacity > 0,
+        }
+        regions = self.transfer_function.by_gradient is not None
+        chosen: dict[str, str | Path] = {
+            "classify": "classify/regions.glsl" if regions else "classify/curve.glsl",
+            "shade": "shade/lit.glsl" if common.shading else "shade/unlit.glsl",
         }
         program = self.gpu.programs.get(
-            vertex, fragment, shared | dict(defines or {}), hooks, many_vertices=many_vertices
+            vertex,
+            fragment,
+            shared | dict(defines or {}),
+            chosen | dict(hooks or {}),
+            many_vertices=many_vertices,
         )
         self.apply(program, table_length)
         return program
@@ -323,15 +438,15 @@ class ImageTechnique(Protocol):
     Three class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
     buffer; `least_resolution` (float), linear fraction of the full resolution below which nothing gets cheaper,
     for techniques that give up detail by `Frame.step_scale` instead; `accumulates` (bool, True unless said), whether
-    the mean of pictures seen through other points of the pixels is a better one. Two properties are: `mesh`, the
-    triangles that the last full picture showed; `progress` (float), how far the worker is that a `plan` of 0 waits for.
+    the mean of pictures seen through other points of the pixels is a better one. So is the property `mesh`: the
+    triangles that the last full picture showed.
     """
 
     def plan(self, frame: Frame) -> int:
         """Prepare what the frame needs and say into how many chunks its drawing is divided (at least 1).
 
-        0 means that a worker has not finished yet: the last picture stays, and `plan` is asked again soon. A
-        technique that answers 0 waits a few milliseconds for its worker first, so that asking costs nothing.
+        0 means that a task of `Frame.tasks` must end first: the last picture stays, and `plan` is asked again when one
+        has ended. `plan` itself never waits (`volviz.tasks.LatestResult` gives what there is).
         """
 
     def draw(self, frame: Frame, chunk: int) -> None:
@@ -372,7 +487,7 @@ class PropTechnique(Protocol):
         """What is drawn."""
 
     def prepare(self, frame: Frame) -> bool:
-        """Make the props show the values of a frame; False while a worker has not finished.
+        """Make the props show the values of a frame; False while a task of `Frame.tasks` has to end first.
 
         `Frame.resources` and `Frame.uniforms` are empty here: VTK brings the volume onto the GPU itself.
         """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,6 +12,9 @@ import numpy.typing as npt
 
 from volviz.errors import InputError
 from volviz.model.vectors import Vector, finite_vector
+
+#: The near plane lies no nearer than this share of the distance of the far plane.
+NEAREST = 0.001
 
 
 @dataclass(frozen=True)
@@ -84,6 +88,60 @@ class Camera:
             position=_vector(np.add(self.focal_point, offset)),
             view_up=_vector(up),
         )
+
+    def clipping_range(self, points: npt.NDArray[np.float64]) -> tuple[float, float]:
+        """World distances of a near and a far plane that hold all points, by the rule of VTK's renderers.
+
+        Parameters
+        ----------
+        points : ndarray of shape (N, 3)
+            World points, the corners of the visible boxes.
+        """
+        depths = (points - np.asarray(self.position)) @ np.asarray(self.direction)
+        near, far = float(depths.min()), max(float(depths.max()), 1e-18)
+        # flat things get some depth
+        least = 0.1 * self.scale if self.parallel else 0.2 * math.tan(math.radians(self.view_angle) / 2) * far
+        missing = max(least - (far - near), 0.0)
+        near, far = max(near - missing / 2, 0.0), far + missing / 2
+        room = 0.5 * (far - near)
+        near, far = 0.99 * near - room, 1.01 * far + 0.5 * (far - (0.99 * near - room))
+        return max(near, NEAREST * far), far
+
+    def matrices(
+        self, aspect: float, clipping_range: tuple[float, float]
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """View and projection matrix in the conventions of OpenGL, for column vectors.
+
+        Parameters
+        ----------
+        aspect : float
+            Width / height of the view.
+        clipping_range : tuple of 2 floats
+            World distances of the near and the far plane from the eye.
+
+        Returns
+        -------
+        view, projection : ndarray of shape (4, 4)
+            World to eye space, and eye to clip space (z in -1..1).
+        """
+        forward = np.asarray(self.direction)
+        right = np.cross(forward, self.view_up)
+        right /= np.linalg.norm(right)
+        view = np.eye(4)
+        view[:3, :3] = right, np.cross(right, forward), -forward
+        view[:3, 3] = -view[:3, :3] @ np.asarray(self.position)
+        near, far = clipping_range
+        projection = np.zeros((4, 4))
+        if self.parallel:
+            projection[0, 0], projection[1, 1] = 1.0 / (self.scale * aspect), 1.0 / self.scale
+            projection[2, 2:] = -2.0 / (far - near), -(far + near) / (far - near)
+            projection[3, 3] = 1.0
+        else:
+            slope = math.tan(math.radians(self.view_angle) / 2)
+            projection[0, 0], projection[1, 1] = 1.0 / (slope * aspect), 1.0 / slope
+            projection[2, 2:] = -(far + near) / (far - near), -2.0 * far * near / (far - near)
+            projection[3, 2] = -1.0
+        return view, projection
 
     @classmethod
     def coerce(cls, value: Any) -> Camera:

@@ -39,7 +39,11 @@ def robust_range(volume: Volume) -> tuple[float, float]:
 
 
 def without_outliers(values: Floats) -> tuple[float, float]:
-    """Quantiles 0.001 and 0.999; where these agree, the bulk of whatever differs from them is taken in."""
+    """Range of values without rare extremes: the quantiles 0.001 and 0.999.
+
+    Where nearly all values are equal (a constant background), both quantiles are that value. The range is then
+    widened to the quantiles 0.01 and 0.99 of all other values.
+    """
     low, high = (float(v) for v in np.quantile(values, (0.001, 0.999)))
     if low < high:
         return low, high

@@ -256,6 +256,11 @@ def parameters_of(settings: type[Any]) -> tuple[Parameter, ...]:
     return _described(cast(Hashable, settings))
 
 
+def setting_values(settings: Any) -> dict[str, Any]:
+    """The values of an instance of a settings class by name, in the order of its fields."""
+    return {p.name: getattr(settings, p.name) for p in parameters_of(type(settings))}
+
+
 def make_settings(settings: type[S], values: Mapping[str, Any], *, owner: str) -> S:
     """An instance of a settings class from keywords, each checked.
 

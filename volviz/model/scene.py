@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 from volviz.model.camera import Camera
@@ -11,12 +12,13 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 Color = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class View:
+class SceneView:
     """One viewport: technique, its settings, camera.
 
     Attributes
@@ -24,12 +26,12 @@ class View:
     technique : str
         Id of the technique that draws.
     settings : tuple of (technique id, settings)
-        Settings of every technique that was changed; the others have their defaults.
+        Settings of every technique that was changed, by id; the others have their defaults.
     camera : Camera or None
         None until the first picture is framed.
     """
 
-    technique: str = "raycast"
+    technique: str = DEFAULT_TECHNIQUE
     settings: tuple[tuple[str, Any], ...] = ()
     camera: Camera | None = None
 
@@ -40,10 +42,15 @@ class View:
                 return value
         return default()
 
-    def with_settings(self, technique: str, settings: Any) -> View:
-        """The view with other settings for a technique."""
-        others = tuple(pair for pair in self.settings if pair[0] != technique)
-        return replace(self, settings=(*others, (technique, settings)))
+    def with_settings(self, technique: str, settings: Any) -> SceneView:
+        """The view with other settings for a technique; defaults leave no entry, so that equal views compare equal."""
+        kind = type(settings)
+        if self.settings_for(technique, kind) == settings:
+            return self
+        changed = {**dict(self.settings), technique: settings}
+        if settings == kind():
+            del changed[technique]
+        return replace(self, settings=tuple(sorted(changed.items(), key=itemgetter(0))))
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,7 @@ class Scene:
         What is shown.
     light, clipping, background
         Shared by all views.
-    views : tuple of View
+    views : tuple of SceneView
         One, or two to four that are compared; they share one camera.
     active : int
         Number of the view that panels and keys act on.
@@ -68,7 +75,7 @@ class Scene:
     light: Light = Light()
     clipping: Clipping = Clipping()
     background: Color | None = None
-    views: tuple[View, ...] = (View(),)
+    views: tuple[SceneView, ...] = (SceneView(),)
     active: int = 0
     comparison: Comparison = Comparison()
 
@@ -78,7 +85,7 @@ class Scene:
         return next((layer for layer in self.layers if isinstance(layer, ImageLayer)), None)
 
     @property
-    def view(self) -> View:
+    def view(self) -> SceneView:
         """The view that panels and keys act on."""
         return self.views[self.active_index]
 
@@ -87,7 +94,7 @@ class Scene:
         """Number of the active view, within those that there are."""
         return min(max(self.active, 0), len(self.views) - 1)
 
-    def view_at(self, index: int | None = None) -> View:
+    def view_at(self, index: int | None = None) -> SceneView:
         """A view by its number: the active one for None, the last one when there are not so many."""
         return self.view if index is None else self.views[min(index, len(self.views) - 1)]
 

@@ -20,7 +20,7 @@ from volviz.model.comparison import MOST_VIEWS, Comparison
 from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.transfer_function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 
@@ -149,7 +149,7 @@ def _layer_to_dict(layer: ImageLayer, folder: Path | None) -> dict[str, Any]:
     }
 
 
-def _view_to_dict(view: View) -> dict[str, Any]:
+def _view_to_dict(view: SceneView) -> dict[str, Any]:
     settings = {
         technique: {p.name: getattr(values, p.name) for p in parameters_of(cast("Any", type(values)))}
         for technique, values in view.settings
@@ -161,7 +161,7 @@ def _view_to_dict(view: View) -> dict[str, Any]:
 def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -> Scene:
     light, clipping = data["light"], data["clipping"]
     position = light["position"]
-    views = tuple(_view(view, settings_of) for view in data["views"])[:MOST_VIEWS] or (View(),)
+    views = tuple(_view(view, settings_of) for view in data["views"])[:MOST_VIEWS] or (SceneView(),)
     return Scene(
         layers=tuple(_layer(layer, folder) for layer in data["layers"]),
         light=Light(
@@ -204,22 +204,20 @@ def _layer(data: dict[str, Any], folder: Path | None) -> ImageLayer:
     )
 
 
-def _view(data: dict[str, Any], settings_of: SettingsOf) -> View:
-    settings = []
+def _view(data: dict[str, Any], settings_of: SettingsOf) -> SceneView:
+    technique, camera = str(data["technique"]), data["camera"]
+    view = SceneView(
+        technique if settings_of(technique) is not None else SceneView().technique,
+        camera=None if camera is None else _camera(camera),
+    )
     for technique, values in data["settings"].items():
         kind: Any = settings_of(technique)
         if kind is not None:
             known = {p.name for p in parameters_of(kind)}
             # a setting that a newer or older program does not have is left at its default
             kept = {name: value for name, value in values.items() if name in known}
-            settings.append((technique, make_settings(kind, kept, owner=technique)))
-    technique = str(data["technique"])
-    camera = data["camera"]
-    return View(
-        technique if settings_of(technique) is not None else View().technique,
-        tuple(settings),
-        None if camera is None else _camera(camera),
-    )
+            view = view.with_settings(technique, make_settings(kind, kept, owner=technique))
+    return view
 
 
 def _camera(data: dict[str, Any]) -> Camera:

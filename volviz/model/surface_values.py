@@ -97,7 +97,7 @@ class SurfaceValues:
         return np.asarray(corners * np.float32(2 / 9) + self.at_middles[nearest] / np.float32(3), np.float32)
 
     def prepare(self) -> None:
-        """Do now, where nobody waits, what the first call of `around` would need time for."""
+        """Build the search tree that `around` needs; call it on a worker, because that takes long for large meshes."""
         self._tree("middles")
 
     def _is_mesh_of(self, vertices: Array, faces: Array) -> bool:
@@ -146,6 +146,28 @@ class SurfaceColors:
             raise InputError(f"colours go from a lower to a higher value, got {self.low:g} to {self.high:g}.")
         if self.table.ndim != 2 or self.table.shape[1] != 3 or len(self.table) < 2:
             raise InputError(f"a table of colours has shape (N, 3), N at least 2, got {self.table.shape}.")
+
+
+@dataclass(frozen=True)
+class DistanceColoring:
+    """The wish that a surface is coloured by its distance to the one that another technique draws of the same volume.
+
+    Attributes
+    ----------
+    technique : str
+        Id of the technique that draws the other surface.
+    settings : object or None
+        Its settings; None means its defaults.
+    signed : bool
+        Whether places inside the other surface have distances below 0.
+    limit : float or None
+        Distance that gets the strongest colour, in world units; None: the largest there is.
+    """
+
+    technique: str
+    settings: Any = None
+    signed: bool = True
+    limit: float | None = None
 
 
 def _middles(vertices: Array, faces: Array) -> Array:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import gc
+
 import numpy as np
 import pytest
 from pydicom.dataset import Dataset
 from pydicom.sequence import Sequence
 
+import volviz
 from tests.unit.io.writers import dicom_slice, scalars
 from volviz.errors import LoadError
 from volviz.io import load
@@ -264,7 +267,9 @@ def test_a_segmentation_becomes_a_map_of_its_labels(tmp_path):
     assert volume.dimensions == (8, 8, 4)
     assert sorted(np.argwhere(volume.array == 1).tolist()) == [[0, 2, 3], [1, 4, 4]]
     assert np.argwhere(volume.array == 2).tolist() == [[3, 6, 1]]
-    assert volume.metadata["labels"] == ((1, "part 1"), (2, "part 2"))
+    source = volviz.open(path)
+    assert source.is_labels
+    assert [(label.number, label.name) for label in source.labels] == [(1, "part 1"), (2, "part 2")]
 
 
 # ------------------------------------------------------------------ pixels
@@ -365,6 +370,7 @@ def test_a_folder_with_hundreds_of_other_files_and_deep_folders_is_searched(tmp_
     assert load(disc).dimensions == (7, 5, 6)
 
 
+@pytest.mark.filterwarnings("ignore:Implicitly cleaning up:ResourceWarning")
 def test_a_dicomdir_opens_what_it_lists(tmp_path):
     from pydicom.fileset import FileSet
 
@@ -374,10 +380,10 @@ def test_a_dicomdir_opens_what_it_lists(tmp_path):
     for path in sorted(folder.iterdir()):
         files.add(path)
     files.write(tmp_path / "disc")
-    # it would be cleared away with a warning only when the collector comes
-    files._tmpdir.cleanup()
     for asked in (tmp_path / "disc" / "DICOMDIR", tmp_path / "disc"):
         np.testing.assert_array_equal(load(asked).array, STACK - 1024)
+    del files
+    gc.collect()
 
 
 def test_numbers_of_a_raw_file_do_not_pass_for_dicom():

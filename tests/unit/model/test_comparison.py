@@ -8,12 +8,12 @@ import pytest
 
 from volviz.errors import InputError
 from volviz.model.comparison import Comparison
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.session import scene_from_dict, scene_to_dict
 
 
 def scene_of(*techniques: str, pair: tuple[int, int] = (0, 1), active: int = 0, mode: str = "wipe") -> Scene:
-    views = tuple(View(technique) for technique in techniques)
+    views = tuple(SceneView(technique) for technique in techniques)
     return Scene(views=views, active=active, comparison=Comparison(mode, pair))
 
 

@@ -17,7 +17,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.parameters import parameter
-from volviz.model.scene import Scene, View
+from volviz.model.scene import Scene, SceneView
 from volviz.model.session import (
     VERSION,
     load_session,
@@ -79,7 +79,7 @@ scenes = st.builds(
     clipping=st.sampled_from([Clipping(), Clipping((0, 5, 1, 4, 2, 9), (((0, 0, 1), (0, 0.6, 0.8)),))]),
     background=st.none() | colors,
     views=st.builds(
-        View,
+        SceneView,
         technique=st.sampled_from(["raycast", "slicing"]),
         settings=settings.map(lambda values: (("slicing", values),)),
         camera=st.none() | cameras,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLabel, QPushButton, QSizePolicy, QWidget
 
@@ -11,13 +9,11 @@ from volviz.compare.distance_colors import DistanceColors
 from volviz.model.comparison import Comparison
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
+from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import Section, quiet_label
 from volviz_ui.progress_bar import ProgressBar
-
-if TYPE_CHECKING:
-    from volviz_ui.compare.commands import CompareCommands
 
 LEAST, MOST = 1e-9, 1e9
 """Limits of the scale, in world units."""
@@ -38,7 +34,7 @@ class DistanceSection(Section):
             )
         )
         self.choice.setAccessibleName(self.tr("Colours of the surfaces"))
-        # or the field below, which is of one width, would say how wide the column is
+        # without Expanding, the fixed width of the field below would determine the width of the column
         self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         for words, value in (
             (self.tr("Their own"), "off"),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLabel, QWidget
 
@@ -11,13 +9,11 @@ from volviz.model.comparison import LIMITS, PERIODS, Comparison
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
+from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.panels.panel import Section, quiet_label, small_button
 from volviz_ui.views.sides import LETTERS, SideBox
-
-if TYPE_CHECKING:
-    from volviz_ui.compare.commands import CompareCommands
 
 FIRST_LIMIT = 16.0
 

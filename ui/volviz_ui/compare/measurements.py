@@ -6,6 +6,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QTimer
 
+from volviz.compare.settings_match import match_second, setting_differences
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import Cancelled
 from volviz.model.scene import Scene
@@ -14,7 +15,6 @@ from volviz.model.volume import Volume
 from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
 from volviz_ui.compare.frame_timing import FrameTiming
 from volviz_ui.compare.panel import ComparePanel
-from volviz_ui.compare.settings_match import match_second, setting_differences
 from volviz_ui.documents import Documents
 from volviz_ui.views.view_area import ViewArea
 from volviz_ui.workers import Task, Workers

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
@@ -12,6 +11,7 @@ from PySide6.QtWidgets import QPushButton, QWidget
 
 from volviz.compare.timing import FrameTimes, ratio
 from volviz.model.store import Store
+from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.compare.convergence_plot import ConvergencePlot, Curve
 from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figure_table import FigureTable
@@ -20,9 +20,6 @@ from volviz_ui.compare.look_section import LookSection
 from volviz_ui.panels.focus_order import set_focus_order
 from volviz_ui.panels.panel import Panel, Section, quiet_label
 from volviz_ui.progress_bar import ProgressBar
-
-if TYPE_CHECKING:
-    from volviz_ui.compare.commands import CompareCommands
 
 NARROW = "\N{NARROW NO-BREAK SPACE}"
 

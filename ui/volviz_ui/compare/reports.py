@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject, QTemporaryDir, QUrl
 from PySide6.QtGui import QDesktopServices
@@ -14,14 +14,11 @@ from PySide6.QtWidgets import QFileDialog
 from volviz.errors import VolvizError
 from volviz.model.scene import Scene
 from volviz.model.tf_formats import write_transfer_function
+from volviz_ui.app_context import AppContext
 from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve
 from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.report_process import CompareProcess
-from volviz_ui.dialogs.error import show_error
-
-if TYPE_CHECKING:
-    from volviz_ui.main_window import MainWindow
 
 KINDS = "HTML (*.html);;JSON (*.json);;CSV (*.csv)"
 CONVERGENCE_SIZE = (240, 180)
@@ -31,9 +28,9 @@ CONVERGENCE_SIZE = (240, 180)
 class Reports(QObject):
     """Runs one comparison at a time in a process of its own; its button ends it again."""
 
-    def __init__(self, window: MainWindow, panel: ComparePanel) -> None:
-        super().__init__(window)
-        self._window = window
+    def __init__(self, context: AppContext, panel: ComparePanel) -> None:
+        super().__init__(context.window)
+        self._context = context
         self._panel = panel
         self._report: Path | None = None
         self._folder: QTemporaryDir | None = None
@@ -57,9 +54,9 @@ class Reports(QObject):
         """Ask for a file and write the report of all views."""
         if not self._can_start():
             return
-        start = str(Path(self._window.preferences.folder) / "comparison.html")
+        start = str(Path(self._context.preferences.folder) / "comparison.html")
         path, _filter = QFileDialog.getSaveFileName(
-            self._window, self.tr("Write a report of the comparison"), start, KINDS
+            self._context.window, self.tr("Write a report of the comparison"), start, KINDS
         )
         if path:
             target = Path(path)
@@ -68,7 +65,7 @@ class Reports(QObject):
     def save(self, path: Path) -> bool:
         """Write the report of all views to a file, with the transfer function beside it."""
         self._report, self._folder = path, None
-        return self._start(path, self._window.viewport.pixel_size, ())
+        return self._start(path, self._context.views.first.viewport.pixel_size, ())
 
     def converge(self) -> None:
         """Draw all views at several steps or bisections, and fit how their errors fall."""
@@ -80,18 +77,18 @@ class Reports(QObject):
         self._start(output, CONVERGENCE_SIZE, ("--convergence", "--frames=0"))
 
     def _can_start(self) -> bool:
-        scene = self._window.store.scene
+        scene = self._context.store.scene
         return not self.is_running and scene.layer is not None and len(scene.views) > 1
 
     def _start(self, output: Path, size: tuple[int, int], options: tuple[str, ...]) -> bool:
-        scene: Scene = self._window.store.scene
+        scene: Scene = self._context.store.scene
         if scene.layer is None or scene.view.camera is None or len(scene.views) < 2:
             return False
         name = function_name(output)
         try:
             write_transfer_function(scene.layer.transfer_function, output.parent / name)
         except VolvizError as error:
-            show_error(self._window, self.tr("The report was not written"), error)
+            self._context.messages.show_error(self.tr("The report was not written"), error)
             return False
         self._panel.show_work(0.0, "")
         self.process.start(compare_arguments(scene, size, name, output.name, options), output.parent)
@@ -123,7 +120,7 @@ class Reports(QObject):
         title = (
             self.tr("Convergence was not measured") if converging else self.tr("The report was not written")
         )
-        show_error(self._window, title, VolvizError(words))
+        self._context.messages.show_error(title, VolvizError(words))
 
     def open_report(self) -> None:
         """Show the report in the browser."""

@@ -84,6 +84,7 @@ class RayPanel(QWidget):
         self.clear_button = small_button("x-circle", self.tr("Forget the ray and its mark"), self)
         self.clear_button.clicked.connect(self.cleared)
         self.plot = RayPlot(self)
+        self.setFocusProxy(self.plot)
         self.sample = QLabel(self)
         self.sample.setToolTip(self.tr("The sample under the pointer, or chosen with the arrow keys"))
         self.sample.setMinimumWidth(1)

@@ -1,4 +1,7 @@
-"""Stepping back when a narrower view would cut off what was seen whole. Arithmetic on values."""
+"""Moves the camera back when a view becomes narrower, so that a volume that was fully visible stays so.
+
+Arithmetic on cameras and points, without a window.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,11 @@ from volviz.model.camera import Camera
 from volviz_ui.views.camera_moves import frame, zoomed
 
 MARGIN = 1.04
-"""A little air at both sides."""
+"""Space left at both sides, as a factor of the width that the points need."""
 
 
 def reach(camera: Camera, points: npt.NDArray[np.float64], aspect: float) -> tuple[float, float]:
-    """How far points of shape (N, 3) extend in the picture, across and upwards; 1 is its edge."""
+    """Largest distance of points, shape (N, 3), from the middle of the image, across and upwards; 1 is its edge."""
     right, up = frame(camera)
     offsets = points - np.asarray(camera.position)
     if camera.parallel:
@@ -26,7 +29,9 @@ def reach(camera: Camera, points: npt.NDArray[np.float64], aspect: float) -> tup
 
 
 def fitted(camera: Camera, points: npt.NDArray[np.float64], before: float, after: float) -> Camera:
-    """The camera farther away, if points that were all seen at one aspect would not be at another.
+    """The camera, moved back until points that were all visible at the old aspect ratio are so at the new one.
+
+    A camera that did not show all points before is returned unchanged: the user looks at a part on purpose.
 
     Parameters
     ----------
@@ -34,7 +39,7 @@ def fitted(camera: Camera, points: npt.NDArray[np.float64], before: float, after
         Width divided by height of the picture.
     """
     if max(reach(camera, points, before)) > 1:
-        return camera  # the user looks at a part on purpose
+        return camera
     for _ in range(8):
         wide = reach(camera, points, after)[0]
         if wide <= 1:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 from PySide6.QtCore import QRectF, QSize, Qt
@@ -12,6 +11,7 @@ from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 from volviz.custom_gl.scene_techniques import current_technique
 from volviz.model.scene import Scene
 from volviz.model.store import Store
+from volviz.model.view_edits import with_side
 from volviz_ui.binding import show_value
 from volviz_ui.editors.simple import CalmComboBox
 
@@ -34,14 +34,7 @@ def choose_side(store: Store, side: int, view: int) -> None:
 
     When it is the other side already, the two exchange their letters. The active view stays among those seen.
     """
-
-    def chosen(scene: Scene) -> Scene:
-        if scene.pair is None or view >= len(scene.views):
-            return scene
-        changed = replace(scene, comparison=scene.comparison.with_side(side, view, len(scene.views)))
-        return changed if changed.active_index in changed.seen else replace(changed, active=view)
-
-    store.update(chosen, label="Comparison", record=False)
+    store.update(partial(with_side, side=side, view=view), label="Comparison", record=False)
 
 
 class SideBadge(QToolButton):

@@ -15,6 +15,7 @@ from volviz.model.camera import Camera
 from volviz.model.scene import Color, Scene
 from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
+from volviz.model.view_edits import with_active, with_comparison
 from volviz.model.volume import Volume
 from volviz_ui.documents import Documents
 from volviz_ui.views.arrangement import Arrangement
@@ -81,6 +82,7 @@ class ViewArea(QWidget):
         self._add_pane()
         documents.volume_changed.connect(self._on_volume_changed)
         store.changed.connect(self._on_scene_changed)
+        store.interaction_changed.connect(self._on_interaction_changed)
         self._sync(store.scene)
 
     # ------------------------------------------------------------------ what there is
@@ -105,11 +107,6 @@ class ViewArea(QWidget):
         """Whether every picture that is shown is the complete one of the present scene."""
         return all(pane.display.is_complete for pane in self.shown_panes)
 
-    def complete(self) -> None:
-        """Finish all pictures now, however long it takes."""
-        for pane in self.shown_panes:
-            pane.display.complete()
-
     def _add_pane(self) -> Pane:
         pane = Pane(self, self._store, self._documents, self._add_volume, len(self.panes))
         viewport, display = pane.viewport, pane.display
@@ -123,8 +120,6 @@ class ViewArea(QWidget):
         pane.scenery.set_background(self._store.scene.background)
         pane.scenery.set_volume(self._volume, self._function)
         pane.ray_mark.show(self._ray_mark)
-        viewport.gesture_started.connect(self.begin_gesture)
-        viewport.gesture_finished.connect(self.end_gesture)
         viewport.camera_moved.connect(self._on_camera_moved)
         viewport.pressed.connect(lambda: self._on_pressed(pane))
         viewport.pointer_moved.connect(lambda position: self.pointer_moved.emit(pane.view, position))
@@ -137,8 +132,6 @@ class ViewArea(QWidget):
         viewport.function_drag_ended.connect(self.function_drag_ended)
         display.failed.connect(self.failed)
         display.recovered.connect(self.recovered)
-        display.drag_noticed.connect(self.begin_gesture)
-        display.drag_ended.connect(self.end_gesture)
         display.status_changed.connect(lambda status: self.status_changed.emit(pane.view, status))
         pane.header.activated.connect(lambda: self.activate(pane.view))
         pane.header.closed.connect(lambda: self.close_view(pane.view))
@@ -151,11 +144,9 @@ class ViewArea(QWidget):
         count = len(scene.views)
         while len(self.panes) > count:
             pane = self.panes.pop()
-            # a drag that ends with its view must not leave others waiting for its end, nor the scene without its camera
+            # a drag that ends with its view must not leave the scene without its camera
             if pane.viewport.is_moving:
                 QTimer.singleShot(0, self, partial(self._commit_camera, pane.viewport.view_camera))
-            for _ in range(pane.open_gestures):
-                self.end_gesture()
             pane.remove()
         new = [self._add_pane() for _ in range(count - len(self.panes))]
         self.place()
@@ -168,7 +159,6 @@ class ViewArea(QWidget):
     def _commit_camera(self, camera: Camera) -> None:
         if not self._closed and self._documents.is_ready_for(self._store.scene):
             self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
-            self._store.end_gesture()
 
     # ------------------------------------------------------------------ where it lies
 
@@ -193,7 +183,7 @@ class ViewArea(QWidget):
 
     def activate(self, view: int) -> None:
         """Let panels and keys act on another view."""
-        self._store.update(lambda scene: replace(scene, active=min(view, len(scene.views) - 1)), record=False)
+        self._store.update(partial(with_active, view=view), record=False)
 
     def close_view(self, view: int) -> None:
         """Close a view; the others stay."""
@@ -208,9 +198,7 @@ class ViewArea(QWidget):
             self.activate(pane.view)
 
     def _on_divider_moved(self, share: float) -> None:
-        self._store.update(
-            lambda scene: replace(scene, comparison=replace(scene.comparison, divider=share)), record=False
-        )
+        self._store.update(partial(with_comparison, divider=share), record=False)
 
     def _show_active(self, scene: Scene) -> None:
         for pane in self.panes:
@@ -233,7 +221,8 @@ class ViewArea(QWidget):
             pictures = self.pair_pictures()
             if pictures is not None:
                 difference.set_complete(*pictures)
-        # another time for every picture that the host draws; what follows a full one at rest only makes it smoother
+        # the status holds the drawing time, so it differs for every new image; the number of averaged samples is left
+        # out, because averaging at rest only smooths an image that is complete already
         drawn = [replace(pane.display.status, samples=1) for pane in pair]
         if drawn != self._completed:
             self._completed = drawn
@@ -259,15 +248,10 @@ class ViewArea(QWidget):
 
     # ------------------------------------------------------------------ gestures
 
-    def begin_gesture(self) -> None:
-        """Something is being dragged: all pictures follow it together."""
+    def _on_interaction_changed(self, running: bool) -> None:
+        # all pictures follow together, whatever is being dragged
         for pane in self.panes:
-            pane.display.begin_gesture()
-
-    def end_gesture(self) -> None:
-        """It is over."""
-        for pane in self.panes:
-            pane.display.end_gesture()
+            pane.display.show_interaction(running)
 
     def _on_camera_moved(self) -> None:
         # the hidden one of a blinking pair is drawn when it is shown, or when the drag is over
@@ -329,6 +313,12 @@ class ViewArea(QWidget):
         for pane in self.panes:
             pane.display.shows_handles = on
 
+    @property
+    def shown_names(self) -> frozenset[str]:
+        """What is switched on: names as for `show_scenery`, and "handles"."""
+        names = {name for name, on in self._shown.items() if on}
+        return frozenset(names | {"handles"} if self._shows_handles else names)
+
     def show_scenery(self, name: str, on: bool) -> None:
         """Switch box, axes, orientation marker or colour bar in all views."""
         self._shown[name] = on
@@ -366,6 +356,7 @@ class ViewArea(QWidget):
             return
         self._closed = True
         self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._store.interaction_changed.disconnect(self._on_interaction_changed, missing_ok=True)
         self._rest.stop()
         self.arrangement.close()
         for pane in reversed(self.panes):

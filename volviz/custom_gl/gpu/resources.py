@@ -13,10 +13,12 @@ import numpy.typing as npt
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.scalars import (
     BRICK,
+    Bricks,
     Texels,
     bricks_of,
     choose_format,
-    gradient_bricks_if_ready,
+    gradient_bricks_of,
+    known_gradient_bricks,
     levels_of,
     texels_of,
 )
@@ -32,6 +34,7 @@ from volviz.kernels.bricks import (
 )
 from volviz.model.transfer_function import TransferFunction, table_size
 from volviz.model.volume import Volume
+from volviz.tasks import LatestResult
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -39,6 +42,8 @@ if TYPE_CHECKING:
 
 #: Bytes uploaded at once, so that the GUI thread is never held up for long.
 SLAB_BYTES = 4 * 2**20
+#: Volumes of at most so many voxels have the gradients of their bricks bounded on the calling thread: 20 ms.
+SMALL_VOXELS = 2**20
 PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
 
@@ -64,6 +69,7 @@ class VolumeResources:
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
         self._last_table: tuple[Any, Table] | None = None
+        self._gradients: LatestResult[Volume, Bricks] = LatestResult("gradients", cancels=False)
 
     # ------------------------------------------------------------------ scalars
 
@@ -228,9 +234,15 @@ class VolumeResources:
         """Everything that `occupied` depends on; equal keys, equal bricks."""
         function = frame.transfer_function
         if function.by_gradient is None:
-            return function, _threshold(frame)
-        known = gradient_bricks_if_ready(self.volume) is not None
-        return function, _threshold(frame), frame.interactive, known, _bricks_of_differences(frame)
+            return function, frame.common.density_threshold
+        known = self._gradient_bricks(frame) is not None
+        return (
+            function,
+            frame.common.density_threshold,
+            frame.interactive,
+            known,
+            _bricks_of_differences(frame),
+        )
 
     def occupied(self, frame: Frame) -> npt.NDArray[np.bool_]:
         """Which bricks may hold anything visible, shape (b_z, b_y, b_x).
@@ -239,12 +251,12 @@ class VolumeResources:
         """
         table = self._baked(frame.transfer_function, interactive=frame.interactive)
         opacity = table.opacity.copy()
-        below = self._below(_threshold(frame), table.values, opacity.shape[1])
+        below = self._below(frame.common.density_threshold, table.values, opacity.shape[1])
         opacity[:, : max(below - 1, 0)] = 0.0
         bricks = bricks_of(self.volume)
         if table.gradients is None:
             return occupancy(bricks.low, bricks.high, visible_prefix(opacity[0]), table.values)
-        gradients = gradient_bricks_if_ready(self.volume)
+        gradients = self._gradient_bricks(frame)
         bounds = None if gradients is None else (gradients.low, gradients.high)
         reach = _bricks_of_differences(frame)
         if bounds is not None and reach:
@@ -255,6 +267,18 @@ class VolumeResources:
         return occupancy_by_gradient(
             (bricks.low, bricks.high), bounds, visible_plane_sums(opacity), table.values, table.gradients
         )
+
+    def _gradient_bricks(self, frame: Frame) -> Bricks | None:
+        """Bounds of the gradients; None for a large volume until a task has found them."""
+        volume = self.volume
+        known = known_gradient_bricks(volume)
+        if known is None and volume.array.size <= SMALL_VOXELS:
+            known = gradient_bricks_of(volume)
+        if known is None:
+            known = self._gradients.get(
+                frame.tasks, volume, lambda _progress, _cancel: gradient_bricks_of(volume)
+            )
+        return known
 
     def isovalue_distance(self, isovalues: Sequence[float]) -> Any:
         """Empty-space field for surfaces of these isovalues (data units)."""
@@ -302,7 +326,8 @@ class VolumeResources:
         if "t_preintegrated" in units:
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
             program.use_texture(
-                "t_preintegrated", self.preintegrated(frame.transfer_function, size, _threshold(frame))
+                "t_preintegrated",
+                self.preintegrated(frame.transfer_function, size, frame.common.density_threshold),
             )
             program.set(
                 {
@@ -350,19 +375,14 @@ class VolumeResources:
 
 def _bricks_of_differences(frame: Frame) -> int:
     """Bricks that central differences reach beyond what the bounds of their own brick cover, one voxel."""
-    delta = float(getattr(frame.settings, "gradient_delta", 1.0))
-    return math.ceil(max(delta - 1.0, 0.0) / BRICK)
+    return math.ceil(max(frame.common.gradient_delta - 1.0, 0.0) / BRICK)
 
 
 def _margin(frame: Frame) -> int:
     """Bricks that empty space must keep away from what is visible: pre-integration looks at both ends of a step."""
-    if not getattr(frame.settings, "preintegrated", False):
+    if not frame.common.preintegrated:
         return 0
     return math.ceil((frame.step_world / min(frame.volume.spacing) + 1.0) / BRICK)
-
-
-def _threshold(frame: Frame) -> float:
-    return float(getattr(frame.settings, "density_threshold", 0.0))
 
 
 def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from volviz.custom_gl.host.adding import add_volume, technique_settings
+from volviz.custom_gl.host.adding import add_spec, add_volume
 from volviz.custom_gl.host.handle import VolumeHandle, handles_of
 from volviz.custom_gl.host.pacing import FrameStatus, Pacer, Quality
 
@@ -11,7 +11,7 @@ __all__ = [
     "Pacer",
     "Quality",
     "VolumeHandle",
+    "add_spec",
     "add_volume",
     "handles_of",
-    "technique_settings",
 ]

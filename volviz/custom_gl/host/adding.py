@@ -1,46 +1,36 @@
-"""`add_volume`, and how keywords are shared out between technique, light and clipping."""
+"""`add_volume`: a volume in a plotter, until the plotter closes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any
 
+from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.host.handle import VolumeHandle, handles_of
 from volviz.custom_gl.host.pacing import Pacer
-from volviz.custom_gl.host.shown import check_kinds, check_settings, split_values
 from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.custom_gl.registry import technique as technique_info
-from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.resolve import Volumes
 from volviz.errors import InputError
 from volviz.model.clipping import Clipping
+from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
-from volviz.model.parameters import make_settings
+from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 
 
-def technique_settings(info: TechniqueInfo, values: Mapping[str, Any], *, classic: bool = False) -> Any:
-    """Settings of a technique from keywords, over its classic values when `classic`.
-
-    Raises
-    ------
-    SettingError
-        An unknown name or an unusable value.
-    """
-    base = dict(info.classic) if classic else {}
-    return make_settings(info.settings, base | dict(values), owner=info.id)
-
-
 def add_volume(
     plotter: Any,
-    volume: Volume,
-    technique: str = "raycast",
+    volume: Volume | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     settings: Any = None,
     light: Light | None = None,
     clipping: Clipping | None = None,
     classic: bool = False,
+    surface_colors: SurfaceColors | None = None,
     pacer: Pacer | None = None,
     **values: Any,
 ) -> VolumeHandle:
@@ -50,12 +40,12 @@ def add_volume(
     ----------
     plotter : pyvista.Plotter or pyvistaqt.QtInteractor
         Where to show it; the volume goes into its active renderer.
-    volume : Volume
-        What to show.
+    volume : Volume, ImageLayer or sequence of layers
+        What to show; of layers, one may be visible.
     technique : str, default: "raycast"
         Id of a technique (`volviz.techniques`).
     transfer_function : TransferFunction, optional
-        The default is made from the volume's histogram.
+        Of a volume; the default is made from its histogram.
     settings : object, optional
         Instance of the technique's settings class, instead of single settings.
     light, clipping : Light, Clipping, optional
@@ -66,6 +56,8 @@ def add_volume(
     pacer : Pacer, optional
         For windows with an event loop: full pictures come piece by piece. Without one every render is
         complete.
+    surface_colors : SurfaceColors, optional
+        Values that the surface is coloured by, for techniques that draw triangles.
     **values
         Single settings by name, `headlight`, `light_position`, `light_color`, `crop` and `clip_planes`
         included.
@@ -80,26 +72,22 @@ def add_volume(
     VolvizError
         Unknown technique or setting, unusable value.
     """
-    info = technique_info(technique)
+    spec = spec_of(
+        volume, technique, transfer_function=transfer_function, settings=settings, light=light,
+        clipping=clipping, classic=classic, surface_colors=surface_colors, **values,
+    )  # fmt: skip
+    return add_spec(plotter, spec, pacer=pacer)
+
+
+def add_spec(
+    plotter: Any, spec: RenderSpec, volumes: Volumes | None = None, *, pacer: Pacer | None = None
+) -> VolumeHandle:
+    """Show what a spec says in a plotter; see `add_volume` and `volviz.custom_gl.resolve.resolve`."""
     if plotter.render_window is None:
         raise InputError("the plotter is closed and shows nothing any more; make a new one.")
-    if volume is None:
-        raise InputError("there is no volume to show: give a volviz.Volume.")
-    check_kinds(volume=volume, transfer_function=transfer_function, light=light, clipping=clipping)
-    # techniques with a light to be dragged show little under a light at the eye, which sees no shadow
-    first_light = Light(headlight="light" not in info.handles)
-    new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())
-    new_clipping.crop_within(volume.dimensions)
-    if settings is None:
-        settings = technique_settings(info, own, classic=classic)
-    else:
-        if own:
-            raise InputError(f"give either settings or single values ({', '.join(own)}), not both.")
-        check_settings(info, settings)
-    if transfer_function is None:
-        transfer_function = TransferFunction.auto(volume)
+    handle = VolumeHandle(plotter, spec, volumes, pacer)
     release_on_close(plotter)
-    return VolumeHandle(plotter, volume, info, transfer_function, settings, new_light, new_clipping, pacer)
+    return handle
 
 
 def release_on_close(plotter: Any) -> None:

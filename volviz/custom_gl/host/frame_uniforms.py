@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.host.accumulation import sample_phase
+
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
 
@@ -16,40 +18,17 @@ Matrix = npt.NDArray[np.float64]
 MAX_PLANES = 6
 
 
-def texture_to_world(volume: Any, texels: Any) -> Matrix:
-    """4 x 4 matrix from texture coordinates of a volume to the world."""
-    scale, offset = texels.index_to_texture
-    to_index = np.eye(4)
-    to_index[:3, :3] = np.diag(1.0 / scale)
-    to_index[:3, 3] = -offset / scale
-    return np.asarray(volume.index_to_world @ to_index)
-
-
-def about(volume: Any, to_world: Matrix) -> Matrix:
-    """A 4 x 4 matrix to the world as one to world units from the middle of the volume, which shaders light in."""
-    moved = to_world.copy()
-    # in float64, before shaders round to float32
-    moved[:3, 3] -= volume.center
-    return moved
-
-
 def shared_uniforms(frame: Frame) -> dict[str, Any]:
     """Values of the uniforms declared in ``glsl/``, by name; matrices are float64 arrays, row-major."""
-    volume, texels, settings = frame.volume, frame.resources.texels, frame.settings
-    to_world = texture_to_world(volume, texels)
-    to_clip = frame.camera.view_projection @ to_world
+    volume, texels, common = frame.volume, frame.resources.texels, frame.common
+    to_world = frame.texture_to_world
     scale, offset = texels.index_to_texture
     crop = np.array(frame.crop).reshape(3, 2)
 
-    def value(name: str, default: float) -> float:
-        return float(getattr(settings, name, default))
-
     uniforms: dict[str, Any] = {
-        "u_clip_to_texture": np.linalg.inv(to_clip),
-        "u_texture_to_clip": to_clip,
-        "u_texture_to_world": to_world,
-        "u_world_to_texture": np.linalg.inv(to_world),
-        "u_view_projection": frame.camera.view_projection,
+        "u_clip_to_texture": np.linalg.inv(frame.texture_to_clip),
+        "u_texture_to_clip": frame.texture_to_clip,
+        "u_world_to_texture": frame.world_to_texture,
         "u_world_metric_x": tuple(to_world[0, :3]),
         "u_world_metric_y": tuple(to_world[1, :3]),
         "u_world_metric_z": tuple(to_world[2, :3]),
@@ -61,55 +40,43 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_scalar_map": (texels.scale, texels.offset),
         "u_voxels": tuple(1.0 / scale),
         "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
-        "u_gradient_delta": value("gradient_delta", 1.0),
-        "u_density_threshold": value("density_threshold", 0.0),
+        "u_gradient_delta": common.gradient_delta,
+        "u_density_threshold": common.density_threshold,
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
-        "u_gradient_opacity": value("gradient_opacity", 0.0),
+        "u_gradient_opacity": common.gradient_opacity,
         "u_inverse_gradient_scale": 1.0,
-        "u_texture_to_place": about(volume, to_world),
-        "u_eye": tuple(_eye(frame)),
-        "u_eye_place": tuple(_eye(frame) - volume.center),
+        "u_index_to_texture_scale": tuple(scale),
+        "u_index_to_texture_offset": tuple(offset),
+        "u_texture_to_centred": frame.recentred(to_world),
+        "u_eye_centred": tuple(frame.viewpoint - volume.center),
         "u_view_direction": tuple(frame.camera.direction),
-        "u_light_position": tuple(light_place(frame)),
-        "u_light_place": tuple(light_place(frame) - volume.center),
+        "u_light_centred": tuple(frame.light_source - volume.center),
         "u_light_color": frame.light_color,
         "u_flat_gradient": 1e-5 / volume.mean_spacing,
         "u_material": (
-            value("ambient", 0.25), value("diffuse", 0.75), value("specular", 0.25), value("shininess", 30.0),
+            common.ambient, common.diffuse, common.specular, common.shininess,
         ),
-        "u_first_sample": value("first_sample", 0.5),
-        "u_early_termination": value("early_termination", 1.0 - 1.0 / 255.0),
-        "u_jitter": bool(getattr(settings, "jitter", False)),
+        "u_first_sample": sample_phase(common.first_sample, frame.sequence),
+        "u_early_termination": common.early_termination,
+        "u_jitter": common.jitter,
         "u_jitter_seed": float(frame.sequence),
-        "u_attenuation": value("attenuation", 1.0),
+        "u_attenuation": common.attenuation,
+        "u_step": frame.step_world,
     }  # fmt: skip
-    if hasattr(settings, "step"):
-        uniforms["u_step"] = frame.step_world
-    if value("gradient_opacity", 0.0) > 0:
+    if common.gradient_opacity > 0:
         uniforms["u_inverse_gradient_scale"] = 1.0 / frame.resources.gradient_scale
     uniforms |= frame.resources.brick_uniforms()
     uniforms |= frame.resources.table_uniforms(frame.transfer_function, interactive=frame.interactive)
     return uniforms
 
 
-def _eye(frame: Frame) -> Matrix:
-    """World position from which surfaces are seen; far behind the view for parallel projection."""
-    if not frame.camera.parallel:
-        return frame.camera.eye
-    extent = float(np.linalg.norm(frame.volume.extent))
-    return np.asarray(np.array(frame.volume.center) - frame.camera.direction * (1e4 * extent))
-
-
-def light_place(frame: Frame) -> Matrix:
-    """World position from which the light comes: the eye for a headlight."""
-    return _eye(frame) if frame.headlight else frame.light_position
-
-
 def _planes(frame: Frame, to_world: Matrix) -> Matrix:
-    """Clip planes in texture coordinates, shape (MAX_PLANES, 4)."""
+    """Clip planes in texture coordinates, shape (MAX_PLANES, 4), scaled for tests with one tolerance."""
     planes = np.zeros((MAX_PLANES, 4))
+    # distances in lengths of the volume, or nearly: dividing by a power of two rounds nothing
+    unit = 2.0 ** -math.frexp(float(np.linalg.norm(frame.volume.extent)))[1]
     for row, (origin, normal) in enumerate(frame.planes):
-        n = np.asarray(normal)
+        n = np.asarray(normal) * unit
         planes[row, :3] = to_world[:3, :3].T @ n
         planes[row, 3] = n @ (to_world[:3, 3] - np.asarray(origin))
     return planes
@@ -161,9 +128,9 @@ def level_of_detail(frame: Frame) -> int:
     voxels that lie far apart.
     """
     moving = frame.interactive and frame.gpu.limits.software
-    if not moving and not getattr(frame.settings, "mipmaps", False):
+    if not moving and not frame.common.mipmaps:
         return 0
-    if getattr(frame.settings, "interpolation", "linear") == "nearest":
+    if frame.common.interpolation == "nearest":
         # labels must not be averaged
         return 0
     voxels = pixel_size(frame) / frame.volume.mean_spacing

@@ -9,15 +9,16 @@ import numpy as np
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
-from volviz.custom_gl.host.accumulation import jittered_camera, sample_phase
+from volviz.custom_gl.host.accumulation import jittered_camera
 from volviz.custom_gl.host.frame_uniforms import box_tiles, level_of_detail, shared_uniforms
 from volviz.custom_gl.host.mesh_filters import filter_triangles
 from volviz.custom_gl.host.mesh_reading import read_triangles
 from volviz.custom_gl.host.no_textures import NoTextures
 from volviz.custom_gl.host.pacing import FULL, Level
 from volviz.custom_gl.host.renderer_view import RendererView
-from volviz.custom_gl.host.shown import Shown
+from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
+from volviz.tasks import Tasks
 
 
 def frame_size(view: RendererView, level: Level) -> tuple[int, int]:
@@ -27,7 +28,7 @@ def frame_size(view: RendererView, level: Level) -> tuple[int, int]:
 
 
 def make_frame(
-    shown: Shown,
+    shown: ResolvedSpec,
     view: RendererView,
     gpu: Gpu,
     target: Target,
@@ -36,13 +37,14 @@ def make_frame(
     scene_depth: Any,
     level: Level,
     tile: tuple[int, int],
+    tasks: Tasks,
     sequence: int = 0,
 ) -> Frame:
     """A frame, complete with tiles and uniforms; the target is not cleared.
 
     Parameters
     ----------
-    shown : Shown
+    shown : ResolvedSpec
         What is to be drawn.
     view : RendererView
         Where it is seen from.
@@ -58,6 +60,8 @@ def make_frame(
         Quality.
     tile : tuple of 2 ints
         Largest width and height of the tiles.
+    tasks : Tasks
+        Of the technique.
     sequence : int, default: 0
         Number of a picture that follows the full one.
     """
@@ -71,6 +75,9 @@ def make_frame(
         resources=cast(VolumeResources, textures),
         transfer_function=shown.drawn_function,
         settings=shown.settings,
+        common=shown.common,
+        isovalues=shown.isovalues,
+        unit_distance=shown.unit_distance,
         camera=jittered_camera(view.camera(), target.size, sequence),
         light_position=np.array(shown.light_position),
         light_color=shown.light.color,
@@ -84,6 +91,7 @@ def make_frame(
         interactive=level != FULL,
         tiles=(),
         uniforms={},
+        tasks=tasks,
         filter_triangles=filter_triangles,
         read_triangles=read_triangles,
         surface_colors=shown.surface_colors,
@@ -93,5 +101,4 @@ def make_frame(
     frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, frame.size, tile)
     if shown.info.uses_textures:
         frame.uniforms = shared_uniforms(frame)
-        frame.uniforms["u_first_sample"] = sample_phase(frame.uniforms["u_first_sample"], sequence)
     return frame

@@ -9,17 +9,18 @@ from typing import Any, get_args
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.arguments import changed_spec
 from volviz.custom_gl.host.drawing import Drawing, drawings_of
 from volviz.custom_gl.host.pacing import Pacer, Quality
 from volviz.custom_gl.host.scene_handles import SceneHandles
-from volviz.custom_gl.host.shown import Shown
 from volviz.custom_gl.picking import Picked, Sight, first_visible
-from volviz.custom_gl.registry import technique as technique_info
+from volviz.custom_gl.resolve import Volumes, resolve
 from volviz.custom_gl.technique import TechniqueInfo
-from volviz.errors import InputError, SettingError
+from volviz.errors import SettingError
 from volviz.kernels.surface_pick import pixel_ray
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
+from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -36,23 +37,18 @@ class VolumeHandle(Drawing):
         What can be dragged in the picture, while it is shown (`show_handles`).
     """
 
-    def __init__(
-        self,
-        plotter: Any,
-        volume: Volume,
-        info: TechniqueInfo,
-        transfer_function: TransferFunction,
-        settings: Any,
-        light: Light,
-        clipping: Clipping,
-        pacer: Pacer | None,
-    ) -> None:
-        shown = Shown.first(volume, info, settings, light, clipping, transfer_function)
-        super().__init__(plotter.renderer, plotter.render_window, shown, pacer)
+    def __init__(self, plotter: Any, spec: RenderSpec, volumes: Volumes | None, pacer: Pacer | None) -> None:
+        super().__init__(plotter.renderer, plotter.render_window, resolve(spec, volumes), pacer)
         self.plotter = plotter
+        self._volumes = volumes
         self.handles: SceneHandles | None = None
 
     # ------------------------------------------------------------------ values
+
+    @property
+    def spec(self) -> RenderSpec:
+        """What was asked for."""
+        return self._shown.spec
 
     @property
     def volume(self) -> Volume:
@@ -127,14 +123,28 @@ class VolumeHandle(Drawing):
         InputError
             The technique draws no triangles that could be coloured.
         """
-        info = self._shown.info
-        if colors is not None and not info.colors_surface:
-            raise InputError(
-                f"{info.id} draws no mesh whose triangles could be coloured by values; choose a technique that does, "
-                "such as marching_cubes."
-            )
-        if colors is not self._shown.surface_colors:
-            self._show_instead(replace(self._shown, surface_colors=colors))
+        self.show(replace(self._shown.spec, surface_colors=colors))
+
+    def show(self, spec: RenderSpec, volumes: Volumes | None = None) -> None:
+        """Show what a spec says; the next `render` of the plotter draws it. Nothing happens when it is shown already.
+
+        Parameters
+        ----------
+        spec : RenderSpec
+            What to show.
+        volumes : mapping of VolumeKey to Volume, optional
+            What its layers refer to; those that were given last need not be given again.
+
+        Raises
+        ------
+        VolvizError
+            A value does not fit; nothing is changed then.
+        """
+        shown = resolve(spec, self._volumes if volumes is None else volumes)
+        if self.error is None and spec == self._shown.spec and shown.volume is self._shown.volume:
+            return
+        self._volumes = volumes or self._volumes
+        self._show_instead(shown.keeping(self._shown))
 
     def update(
         self,
@@ -148,7 +158,7 @@ class VolumeHandle(Drawing):
         quality: Quality | None = None,
         **values: Any,
     ) -> None:
-        """Change what is shown; the next `render` of the plotter draws it.
+        """Change what is shown; the next `render` of the plotter draws it, where anything is new.
 
         Parameters
         ----------
@@ -168,17 +178,11 @@ class VolumeHandle(Drawing):
         """
         if quality is not None and quality not in get_args(Quality):
             raise SettingError(f"quality must be one of {', '.join(get_args(Quality))}, got {quality!r}.")
-        self._show_instead(
-            self._shown.changed(
-                volume=volume,
-                info=None if technique is None else technique_info(technique),
-                transfer_function=transfer_function,
-                settings=settings,
-                light=light,
-                clipping=clipping,
-                values=values,
-            )
-        )
+        changed = changed_spec(
+            self._shown.spec, volume=volume, technique=technique, transfer_function=transfer_function,
+            settings=settings, light=light, clipping=clipping, **values,
+        )  # fmt: skip
+        self.show(changed)
         if quality is not None:
             self.quality = quality
 
@@ -202,9 +206,11 @@ class VolumeHandle(Drawing):
             self._shown.volume,
             self._shown.drawn_function,
             self._shown.settings,
+            self._shown.common,
             pixel_ray(camera.view, camera.projection, (width, height), (x, y)),
             self._shown.crop,
             self._shown.clipping.planes,
+            self._shown.isovalues,
         )
         return (self._shown.info.pick or first_visible)(sight)
 

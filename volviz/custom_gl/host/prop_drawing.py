@@ -13,7 +13,6 @@ from typing import Any
 import moderngl
 
 from volviz.custom_gl.host import vtk_border as vtk
-from volviz.custom_gl.host.frame_uniforms import light_place
 from volviz.custom_gl.host.prop_pieces import PieceSizes
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame, PropTechnique, Tile
@@ -152,17 +151,12 @@ class PropDrawing:
         return self._technique.within_tiles
 
     @property
-    def progress(self) -> float:
-        """How far the worker is that the next picture waits for, 0..1."""
-        return float(getattr(self._technique, "progress", 0.0))
-
-    @property
     def notice(self) -> str:
         """What the picture shows differently from what was asked for."""
         return str(getattr(self._technique, "notice", ""))
 
     def plan(self, frame: Frame) -> int:
-        """One chunk per piece where the props can be cut, else one, and one for the copy; 0 while a worker prepares."""
+        """One chunk per piece where the props can be cut, else one, and one for the copy; 0 while they are prepared."""
         if not self._technique.prepare(frame):
             return 0
         self._stages[frame.interactive].prepare(frame)
@@ -272,7 +266,7 @@ class PropDrawing:
         else:
             self._light.SetLightTypeToSceneLight()
             self._light.PositionalOn()
-            self._light.SetPosition(*light_place(frame))
+            self._light.SetPosition(*frame.light_source)
             self._light.SetFocalPoint(*frame.volume.center)
         self._renderer.UpdateLightsGeometryToFollowCamera()
 

@@ -7,8 +7,8 @@ from contextlib import nullcontext
 from typing import Any
 
 from volviz.custom_gl.gpu.clock import GpuClock
-from volviz.custom_gl.host.shown import Shown
 from volviz.custom_gl.host.technique_runner import TechniqueRunner
+from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
 
 
@@ -54,7 +54,7 @@ class Refinement:
         """Time by OpenGL's own clock, where that was asked for."""
         return None if self._clock is None else self._clock.seconds
 
-    def go_on(self, runner: TechniqueRunner, shown: Shown, end: float) -> None:
+    def go_on(self, runner: TechniqueRunner, shown: ResolvedSpec, end: float) -> None:
         """Draw at least one chunk, and others as long as they are likely to be ready at `end` (`time.perf_counter`)."""
         while not self.is_finished:
             begin = time.perf_counter()

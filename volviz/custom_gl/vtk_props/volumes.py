@@ -38,7 +38,7 @@ class VolumeProp:
     #: Lit, where the settings have no say in it.
     always_lit = False
     #: What is made of the samples, where the settings have no say in it.
-    only_mode = "composite"
+    only_mode: str | None = None
 
     def __init__(self, mapper: Any) -> None:
         self.mapper = mapper
@@ -63,12 +63,12 @@ class VolumeProp:
         settings = frame.settings
         self.property.SetScalarOpacityUnitDistance(frame.unit_distance)
         self.property.SetInterpolationType(0 if settings.interpolation == "nearest" else 1)
-        self.property.SetShade(bool(getattr(settings, "shading", self.always_lit)))
+        self.property.SetShade(self.always_lit or frame.common.shading)
         self.property.SetAmbient(settings.ambient)
         self.property.SetDiffuse(settings.diffuse)
         self.property.SetSpecular(settings.specular)
         self.property.SetSpecularPower(settings.shininess)
-        self.mapper.SetBlendMode(_BLEND[getattr(settings, "mode", self.only_mode)])
+        self.mapper.SetBlendMode(_BLEND[self.only_mode or frame.common.mode])
         self._clip(frame, placed)
         self.sample(frame)
         return True
@@ -148,4 +148,4 @@ class GpuVolumeProp(VolumeProp):
     def sample(self, frame: Frame) -> None:
         """The step, and VTK's own jitter on request."""
         self.mapper.SetSampleDistance(frame.step_world)
-        self.mapper.SetUseJittering(bool(getattr(frame.settings, "jitter", False)))
+        self.mapper.SetUseJittering(frame.common.jitter)

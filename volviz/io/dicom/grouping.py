@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.errors import InputError
-from volviz.io.axes import choose
 from volviz.io.dicom.lattice import same_places
 
 if TYPE_CHECKING:
@@ -90,16 +89,16 @@ def one_kind(job: Job, frames: Sequence[Frame]) -> list[Frame]:
     return largest
 
 
-def one_volume(job: Job, frames: Sequence[Frame]) -> list[Frame]:
-    """Of several frames at one place, those of one time point, echo or the like; sorted along the stack."""
+def volumes(job: Job, frames: Sequence[Frame]) -> list[list[Frame]]:
+    """The frames as volumes: time points, echoes or the like, each sorted along the stack."""
     if any(f.position is None or f.orientation is None for f in frames):
-        return sorted(frames, key=lambda f: (f.instance, f.file.path.name, f.number, f.tile))
+        return [sorted(frames, key=lambda f: (f.instance, f.file.path.name, f.number, f.tile))]
     normal = frames[0].normal
     depths = np.array([float(np.dot(normal, np.asarray(f.position))) for f in frames])
     places = same_places(depths)
     count = int(places.max()) + 1
     if count == len(frames):
-        return [frames[n] for n in np.argsort(depths, kind="stable")]
+        return [[frames[n] for n in np.argsort(depths, kind="stable")]]
     stacks = _stacks_by_dimensions(frames, places, count) or _stacks_by_order(frames, places, count)
     if stacks is None:
         job.note("Some slices lie at one and the same position; the first of them was taken.")
@@ -108,18 +107,11 @@ def one_volume(job: Job, frames: Sequence[Frame]) -> list[Frame]:
             zip(frames, places.tolist(), strict=True), key=lambda pair: _order(pair[0])
         ):
             firsts.setdefault(place, frame)
-        return [firsts[place] for place in sorted(firsts)]
-    told = len(job.notes)
-    asked = job.hints.time is not None
-    chosen = stacks[choose(job, "T", len(stacks))]
+        return [[firsts[place] for place in sorted(firsts)]]
     words = _what_differs(stacks)
-    if not asked and words:
-        # the general sentence speaks of time points
-        del job.notes[told:]
-        job.note(
-            f"The first of {len(stacks)} volumes ({words}) is shown; choose with time=0..{len(stacks) - 1}."
-        )
-    return chosen
+    if words:
+        job.note(f"What is called a time point here is another {words}.")
+    return stacks
 
 
 def _order(frame: Frame) -> tuple[Any, ...]:

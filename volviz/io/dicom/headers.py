@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.io.dicom.tiles import Tiles, tiles_of
+from volviz.volume_data.source import Label
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 _TAGS: tuple[str | int, ...] = (
     "SOPClassUID", "SeriesInstanceUID", "Modality", "ImageType", "InstanceNumber", "AcquisitionNumber",
-    "TemporalPositionIdentifier", "TriggerTime", "EchoTime", "EchoNumbers", "DiffusionBValue",
+    "TemporalPositionIdentifier", "TriggerTime", "FrameReferenceTime", "EchoTime", "EchoNumbers", "DiffusionBValue",
     "DiffusionGradientOrientation", "Rows", "Columns", "NumberOfFrames", "SamplesPerPixel", "BitsAllocated",
     "PixelRepresentation", "PhotometricInterpretation", "ImagePositionPatient", "ImageOrientationPatient",
     "PixelSpacing", "ImagerPixelSpacing", "SliceThickness", "SpacingBetweenSlices", "RescaleSlope",
@@ -59,7 +60,7 @@ class ImageFile:
         By a codec, pixel by pixel.
     interpretation : str
         Photometric interpretation.
-    labels : tuple of (number, name), or None
+    labels : tuple of Label, or None
         Segments of a segmentation; None for images.
     fractional : float
         Value that stands for a whole voxel in a segmentation of fractions, 0 in others.
@@ -80,7 +81,7 @@ class ImageFile:
     compressed: bool
     interpretation: str
     unit: str
-    labels: tuple[tuple[int, str], ...] | None = None
+    labels: tuple[Label, ...] | None = None
     fractional: float = 0.0
     tiles: Tiles | None = None
     cut_off: bool = False
@@ -112,6 +113,8 @@ class Frame:
         What may tell frames at one place apart, strongest first: index values of the file, time point, echo time ...
     instance : int
         Number of the image in its series.
+    time : float or None
+        Seconds from the start of the measurement or the last heartbeat, where the header says it.
     segment : int
         Number of the segment that a frame of a segmentation belongs to.
     """
@@ -129,6 +132,7 @@ class Frame:
     intercept: float
     dimensions: tuple[tuple[str, Any], ...]
     instance: int
+    time: float | None = None
     segment: int = 0
 
     @property
@@ -195,7 +199,7 @@ def _file(path: Path, header: Any, *, compressed: bool) -> ImageFile:
         unit=_unit(modality, header),
         labels=None
         if segments is None
-        else tuple((int(s.SegmentNumber), str(s.get("SegmentLabel", ""))) for s in segments),
+        else tuple(Label(int(s.SegmentNumber), str(s.get("SegmentLabel", ""))) for s in segments),
         fractional=float(header.get("MaximumFractionalValue", 255) or 255) if fractional else 0.0,
         tiles=tiles_of(header),
     )
@@ -248,6 +252,7 @@ def _frames(file: ImageFile, header: Any) -> Iterator[Frame]:
             file, number, 0, file.rows, file.columns, position, orientation, spacing,
             values[0] if values and values[0] else None,
             slope, intercept, tuple(_dimensions(find, number)), _integer(header, "InstanceNumber"),
+            time=_seconds(find, header),
             segment=int(find("SegmentIdentificationSequence", "ReferencedSegmentNumber") or 0),
         )  # fmt: skip
         if file.count > 1 and position is None:
@@ -337,6 +342,14 @@ def _dimensions(find: _Finder, number: int) -> Iterator[tuple[str, Any]]:
     delay = find.inner("CardiacSynchronizationSequence", "NominalCardiacTriggerDelayTime")
     yield "phase", _number(delay if delay is not None else header.get("TriggerTime"))
     yield "acquisition", _number(header.get("AcquisitionNumber"))
+
+
+def _seconds(find: _Finder, header: Any) -> float | None:
+    time = find.inner("CardiacSynchronizationSequence", "NominalCardiacTriggerDelayTime")
+    for name in ("FrameReferenceTime", "TriggerTime"):
+        time = header.get(name) if time is None else time
+    milliseconds = _floats([time], 1)
+    return milliseconds[0] / 1000.0 if milliseconds else None
 
 
 def _unit(modality: str, header: Any) -> str:

@@ -63,6 +63,11 @@ class SliceLattice:
         """Every slice of the lattice is there, and no other."""
         return self.count == len(self.at) and bool(np.all(self.at == np.arange(self.count)))
 
+    def part(self, first: int, last: int) -> SliceLattice:
+        """The slices `first` to `last` (exclusive) of a complete lattice."""
+        at = np.arange(last - first, dtype=np.float64)
+        return SliceLattice(self.start + first * self.step, self.step, at, last - first)
+
 
 def fit(
     job: Job, positions: npt.NDArray[np.float64], normal: npt.NDArray[np.float64], pixel: float

@@ -61,7 +61,7 @@ def _gray(job: Job, pixels: npt.NDArray[Any], file: ImageFile) -> npt.NDArray[An
     if file.interpretation == "PALETTE COLOR":
         job.note("Its pixels are indices of a palette; the brightness of the colours is shown.")
         return brightness(pixels)
-    if job.hints.channel is None:
+    if job.channel is None:
         job.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
         return brightness(pixels)
     return np.asarray(pixels[..., choose(job, "S", pixels.shape[-1])])

@@ -1,4 +1,4 @@
-"""From DICOM files to a volume."""
+"""From DICOM files to a source of volumes."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from volviz.io.axes import choose
 from volviz.io.dicom import grouping, lattice
 from volviz.io.dicom.finding import DIRECTORY_NAME, files_below, files_of_directory
 from volviz.io.dicom.headers import Frame, read_frames
 from volviz.io.dicom.pixels import is_scaled_alike, slices_of, values_of
 from volviz.io.dicom.segmentation import label_map
+from volviz.io.file_source import file_source
 from volviz.io.geometry import is_usable
 from volviz.io.memory import check_memory
 from volviz.io.scaling import rescaled
@@ -20,31 +22,53 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from volviz.io.file_source import FileSource
     from volviz.io.geometry import Geometry
     from volviz.io.reader import Job
-    from volviz.model.volume import Volume
 
 
-def read(job: Job) -> Volume:
-    """Read the largest series of a folder (or the one asked for) as a volume."""
+def open_source(job: Job) -> FileSource:
+    """The largest series of a folder, or the one asked for, with all its time points."""
     frames = _frames(job)
     if not frames:
         raise job.error("it holds no DICOM image that can be read; choose another one.")
     frames = grouping.one_kind(job, grouping.one_series(job, frames))
-    first = frames[0]
-    metadata: dict[str, Any] = {}
-    if first.file.labels is not None:
-        array, geometry = _segmentation(job, frames)
-        metadata["labels"] = first.file.labels
-    else:
-        frames = grouping.one_volume(job, frames)
-        slices, geometry = _lattice(job, frames)
-        array = _stack(job, frames, slices)
+    file = frames[0].file
+    if file.labels is not None:
+        return _segmentation(job, frames)
+    stacks = grouping.volumes(job, frames)
+    slices, geometry = _lattice(job, stacks[0])
+
+    def values(job: Job) -> npt.NDArray[Any]:
+        stack = stacks[choose(job, "T", len(stacks))]
+        if job.box is None:
+            return _stack(job, stack, slices)
+        i0, i1, j0, j1, k0, k1 = job.box
+        if slices.is_complete:
+            part = _stack(job, stack[k0:k1], slices.part(k0, k1))
+        else:
+            part = _stack(job, stack, slices)[k0:k1]
+        return np.ascontiguousarray(part[:, j0:j1, i0:i1])
+
+    times = [stack[0].time for stack in stacks]
+    known = [time for time in times if time is not None]
+    colours = file.samples in (3, 4)
+    shape = (len(stacks), slices.count, frames[0].rows, frames[0].columns)
     # no name of a person, no date, no number of a study: only what the picture needs
-    return job.volume(
-        array, geometry, format="DICOM", name=f"DICOM {first.file.modality or 'image'} {array.shape[0]} slices",
-        unit=first.file.unit, length_unit="mm", modality=first.file.modality, **metadata,
-    )  # fmt: skip
+    return file_source(
+        job,
+        values,
+        "TZYXS" if colours else "TZYX",
+        (*shape, file.samples) if colours else shape,
+        geometry,
+        format="DICOM",
+        name=f"DICOM {file.modality or 'image'} {slices.count} slices",
+        colour=True,
+        times=known if len(set(known)) == len(times) and known == sorted(known) else None,
+        unit=file.unit,
+        length_unit="mm",
+        modality=file.modality,
+    )
 
 
 def _frames(job: Job) -> list[Frame]:
@@ -156,17 +180,30 @@ def _filled(array: npt.NDArray[Any], slices: lattice.SliceLattice) -> npt.NDArra
     return result
 
 
-def _segmentation(job: Job, frames: list[Frame]) -> tuple[npt.NDArray[Any], Geometry]:
+def _segmentation(job: Job, frames: list[Frame]) -> FileSource:
     """Label map of all segments, on the lattice of all frames."""
     if any(f.position is None or f.orientation is None for f in frames):
         places, alone = np.arange(len(frames)), frames
     else:
         depths = np.array([float(np.dot(frames[0].normal, np.asarray(f.position))) for f in frames])
-        places = lattice.same_places(depths) if np.ptp(depths) > 0 else np.zeros(len(frames), np.int64)
+        places = lattice.same_places(depths)
         alone = [frames[int(np.flatnonzero(places == n)[0])] for n in range(int(places.max()) + 1)]
-    quiet = len(job.notes)
+    before = len(job.notes)
     slices, geometry = _lattice(job, alone)
     # slices without any segment need not be in the file: they are empty, not missing
-    job.notes[quiet:] = [note for note in job.notes[quiet:] if "missing" not in note]
+    job.notes[before:] = [note for note in job.notes[before:] if "missing" not in note]
     at = np.rint(slices.at).astype(np.int64)[places]
-    return label_map(job, frames, at, slices.count), geometry
+    first = frames[0]
+
+    def values(job: Job) -> npt.NDArray[Any]:
+        labels = label_map(job, frames, at, slices.count)
+        if job.box is None:
+            return labels
+        i0, i1, j0, j1, k0, k1 = job.box
+        return np.ascontiguousarray(labels[k0:k1, j0:j1, i0:i1])
+
+    return file_source(
+        job, values, "ZYX", (slices.count, first.rows, first.columns), geometry, format="DICOM",
+        name=f"DICOM SEG {slices.count} slices", is_labels=True, labels=first.file.labels or (), length_unit="mm",
+        modality="SEG",
+    )  # fmt: skip

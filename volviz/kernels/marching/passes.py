@@ -2,13 +2,12 @@
 
 1. `mark`: which voxels are inside, as bits.
 2. `list_cells`: crossed edges of every row counted, configurations of the active cells listed.
-3. Sums over all rows tell where every row writes: the outputs are made in their exact size.
-4. `write_triangles` and `write_vertices` fill them; no piece writes where another does, so that the result is
-the same
-   whatever the number of threads.
+3. Cumulative sums over the rows give the exact sizes of the outputs and the place where each row writes.
+4. `write_triangles` and `write_vertices` fill the outputs. Each thread writes to a range of its own, so the result does
+   not depend on the number of threads.
 
-A piece reads its own planes of the volume and one more at either side; only these are converted when the
-array is not contiguous, in another byte order, or on disk.
+Each thread reads its own planes of the volume and one more on either side. Only these are converted when the array is
+not contiguous, has another byte order, or is mapped from disk.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ TECHNIQUE = TechniqueInfo(
     settings=BumpSettings,
     create=BumpMapping,
     pick=pick,
+    isovalue_setting="isovalue",
     handles=("light", "plane"),
     displays=DISPLAYS,
     classic={

@@ -14,10 +14,9 @@ from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame, Tile
 from volviz.custom_gl.techniques.bump_mapping.maps import MapTextures
 from volviz.custom_gl.techniques.bump_mapping.mesh_surface import MeshData, file_mesh, isosurface_mesh
-from volviz.custom_gl.techniques.bump_mapping.mesh_worker import Make, MeshWorker
 from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS
 from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
-from volviz.model.auto_isovalue import auto_isovalue
+from volviz.tasks import LatestResult, Work
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -31,8 +30,6 @@ RELIEF_VOXELS = 6.0
 TILES = 4
 #: Vertices of a mesh that one chunk draws, three a triangle: about 20 ms on software OpenGL.
 CHUNK_VERTICES = 3 * 40_000
-#: Seconds that a picture waits for the mesh before the window gets its turn.
-PATIENCE = 0.015
 
 _ENCODINGS = {"float": 0, "bytes": 1, "bytes_classic": 2}
 _DISPLAYS = {name: number for number, (name, _) in enumerate(DISPLAYS)}
@@ -81,7 +78,7 @@ class BumpMapping:
         self._parts: list[_Part] = []
         self._targets: Any = None
         self._isovalue = 0.0
-        self._mesh = MeshWorker()
+        self._mesh: LatestResult[Any, MeshData] = LatestResult("mesh")
         self._own_uv = False
         self.notice = ""
 
@@ -152,7 +149,7 @@ class BumpMapping:
     # ------------------------------------------------------------------ what is drawn
 
     def _update_geometry(self, frame: Frame) -> bool:
-        """Have what is drawn on the GPU; False while a worker makes it."""
+        """Have what is drawn on the GPU; False while a task makes it."""
         s = frame.settings
         self.notice = ""
         if s.surface == "mesh":
@@ -164,7 +161,7 @@ class BumpMapping:
             surface=s.surface,
             plane=(s.plane_origin, s.plane_normal),
             up=s.plane_up,
-            eye=np.asarray(frame.uniforms["u_eye"]),
+            eye=frame.viewpoint,
         )
         data, self._ranges = vertex_data(pieces, middle, s.subdivisions if s.lighting == "vertex" else 1)
         key = ("polygons", data.tobytes())
@@ -175,7 +172,7 @@ class BumpMapping:
     def _update_mesh(self, frame: Frame) -> bool:
         s = frame.settings
         key, make = self._wish(frame)
-        mesh = self._mesh.get(key, make, PATIENCE)
+        mesh = self._mesh.get(frame.tasks, key, make)
         held = self._geometry
         if mesh is None:
             # while something moves, the mesh that was shown does for the new one
@@ -188,22 +185,21 @@ class BumpMapping:
             self._ranges = [(0, 0, mesh.faces.size)]
         return True
 
-    def _wish(self, frame: Frame) -> tuple[Any, Make]:
+    def _wish(self, frame: Frame) -> tuple[Any, Work[MeshData]]:
         """What identifies the mesh that is wanted, and how it is made; neither refers to the frame."""
         s, volume, read = frame.settings, frame.volume, frame.read_triangles
         if s.mesh_file and read is not None:
             file = Path(s.mesh_file).expanduser()
             changed = file.stat().st_mtime_ns if file.is_file() else 0
 
-            def from_file(cancel: Any) -> MeshData:
+            def from_file(_progress: Any, cancel: Any) -> MeshData:
                 return file_mesh(volume, read(str(file), cancel=cancel), file.name)
 
             return ("mesh", volume, str(file), changed), from_file
-        isovalue = float(auto_isovalue(volume) if s.isovalue is None else s.isovalue)
-        stride = int(s.stride)
+        isovalue, stride = frame.isovalues[0], int(s.stride)
         return (
             ("mesh", volume, isovalue, stride),
-            lambda cancel: isosurface_mesh(volume, isovalue, stride, cancel),
+            lambda _progress, cancel: isosurface_mesh(volume, isovalue, stride, cancel),
         )
 
     def _replace(self, geometry: _Geometry | None) -> None:
@@ -244,7 +240,7 @@ class BumpMapping:
         return program
 
     def _uniforms(self, frame: Frame) -> dict[str, Any]:
-        s, volume, shared = frame.settings, frame.volume, frame.uniforms
+        s, volume = frame.settings, frame.volume
         middle = np.asarray(volume.center)
         to_world = np.eye(4)
         to_world[:3, 3] = middle
@@ -253,9 +249,9 @@ class BumpMapping:
         tile = s.tile_size if s.tile_size is not None else float(extent.max()) / TILES
         return {
             "u_relative_to_clip": frame.camera.view_projection @ to_world,
-            "u_relative_to_texture": shared["u_world_to_texture"] @ to_world,
-            "u_relative_light": shared["u_light_place"],
-            "u_relative_eye": shared["u_eye_place"],
+            "u_relative_to_texture": frame.world_to_texture @ to_world,
+            "u_relative_light": tuple(frame.light_source - middle),
+            "u_relative_eye": tuple(frame.viewpoint - middle),
             "u_tiles_per_world": 1.0 if s.surface == "mesh" and self._own_uv else 1.0 / tile,
             "u_bump_strength": s.bump_strength,
             "u_relief_height": s.bump_strength * RELIEF_VOXELS * volume.mean_spacing,
@@ -273,8 +269,8 @@ class BumpMapping:
         return frame.gpu.targets.get(_purpose(self, interactive=frame.interactive), frame.size)
 
     def release(self) -> None:
-        """Release buffers, textures and the target of two passes; stop the worker."""
-        self._mesh.close()
+        """Release buffers, textures and the target of two passes; forget the mesh."""
+        self._mesh.clear()
         self._replace(None)
         self._maps.release()
         if self._targets is not None:

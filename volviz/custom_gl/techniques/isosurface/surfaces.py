@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from volviz.model.auto_isovalue import auto_isovalue
-
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.custom_gl.techniques.isosurface.settings import IsosurfaceSettings
-    from volviz.model.volume import Volume
 
 #: By so much of the data range isovalues are lowered on the GPU: samples that *are* the isovalue count as
 #: inside despite the rounding of float32, so that plateaus at it are not torn. It is a ten-thousandth of a
@@ -58,9 +55,8 @@ class Surfaces:
         return rows.ravel()
 
 
-def shown_surfaces(volume: Volume, settings: IsosurfaceSettings) -> Surfaces:
-    """The surfaces of some settings, sorted by isovalue, each with its own colour and opacity."""
-    isovalues = settings.isovalues if settings.isovalues is not None else (auto_isovalue(volume),)
+def shown_surfaces(isovalues: tuple[float, ...], settings: IsosurfaceSettings) -> Surfaces:
+    """The surfaces of these values, sorted, each with its own colour and opacity."""
     colors = [settings.colors[i % len(settings.colors)] for i in range(len(isovalues))]
     opacities = [settings.opacities[min(i, len(settings.opacities) - 1)] for i in range(len(isovalues))]
     order = sorted(range(len(isovalues)), key=lambda i: isovalues[i])

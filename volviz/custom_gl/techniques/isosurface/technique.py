@@ -42,7 +42,7 @@ class Isosurface:
         gl.enable_only(moderngl.NOTHING)
 
     def _program(self, frame: Frame) -> Any:
-        surfaces = shown_surfaces(frame.volume, frame.settings)
+        surfaces = shown_surfaces(frame.isovalues, frame.settings)
         display = frame.settings.display
         program = frame.program(
             GLSL / "fullscreen.vert",
@@ -71,7 +71,7 @@ class Isosurface:
 
 def pick(sight: Sight) -> Picked | None:
     """The surface point that is seen along a ray: where half of the light is stopped, else the nearest."""
-    surfaces = shown_surfaces(sight.volume, sight.settings)
+    surfaces = shown_surfaces(sight.isovalues, sight.settings)
     return surface(
         sight,
         surfaces.isovalues,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from volviz.custom_gl.mesh_drawing import CLASSIC, INERT
+from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import on_isovalue
+from volviz.custom_gl.study import mesh_strides
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.marching_cubes.settings import MarchingCubesSettings
 from volviz.custom_gl.techniques.marching_cubes.technique import MarchingCubes
@@ -15,9 +17,12 @@ TECHNIQUE = TechniqueInfo(
     settings=MarchingCubesSettings,
     create=MarchingCubes,
     pick=on_isovalue,
+    isovalue_setting="isovalue",
     colors_surface=True,
     classic=CLASSIC,
     inert={**INERT, "method": "both give the same mesh unless a cell is ambiguous"},
     order=70,
     extraction="lorensen",
+    study=mesh_strides,
+    oracle=isosurfaces,
 )

@@ -16,7 +16,6 @@ from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.splat_selection import SIGMA_PER_DIAMETER, lattice_steps
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.splatting.store import Ready, SplatStore, Wanted
-from volviz.model.auto_isovalue import auto_isovalue
 
 _HERE = Path(__file__).parent
 
@@ -24,8 +23,6 @@ _HERE = Path(__file__).parent
 BLOCK = 65536
 #: Rows of the picture that one chunk of the blur covers.
 STRIP = 64
-#: Seconds for which splats that are being made are waited for before something else has its turn.
-PATIENCE = 0.01
 #: Splats that are drawn in any case while something moves.
 FEWEST_SPLATS = 20000
 #: Lattice of translucent splats while something moves.
@@ -72,7 +69,7 @@ class Splatting:
     writes_depth = True
 
     def __init__(self) -> None:
-        self._stores = {False: SplatStore(), True: SplatStore()}
+        self._stores = {False: SplatStore("splats"), True: SplatStore("coarse splats")}
         self._blocks: list[Any] = []
         self._held: Ready | None = None
         self._arrays: dict[tuple[int, int], tuple[Any, Any]] = {}
@@ -103,7 +100,6 @@ class Splatting:
     def _splats(self, frame: Frame) -> Ready | None:
         settings, volume = frame.settings, frame.volume
         translucent = self._translucent(frame)
-        isovalue = settings.isovalue if settings.isovalue is not None else auto_isovalue(volume)
         whole = frame.crop == tuple(float(v) for n in volume.dimensions for v in (0, n - 1))
         eye = None
         if translucent:
@@ -116,8 +112,8 @@ class Splatting:
             per_axis = min(per_axis or COARSE_LATTICE, COARSE_LATTICE)
         # a cut lays bare what would be hidden
         cull = not translucent and whole and not frame.planes
-        wanted = Wanted(volume, float(isovalue), per_axis, cull, eye)
-        return self._stores[coarse].get(wanted, wait=not frame.interactive, patience=PATIENCE)
+        wanted = Wanted(volume, frame.isovalues[0], per_axis, cull, eye)
+        return self._stores[coarse].get(frame.tasks, wanted, may_follow=frame.interactive)
 
     def _upload(self, frame: Frame, ready: Ready) -> None:
         if self._held is ready:
@@ -232,21 +228,11 @@ class Splatting:
             {"QUADS": layout.quads, "GAUSSIAN": translucent},
             many_vertices=True,
         )
-        crop = np.array(frame.crop).reshape(3, 2)
-        planes = np.zeros((6, 4))
         matrix = volume.index_to_world
-        to_place = matrix.copy()
-        to_place[:3, 3] -= volume.center
-        for row, (origin, normal) in enumerate(frame.planes):
-            planes[row, :3] = matrix[:3, :3].T @ np.asarray(normal)
-            planes[row, 3] = np.asarray(normal) @ (matrix[:3, 3] - np.asarray(origin))
         program.set(
             {
-                "u_index_to_place": to_place,
+                "u_index_to_centred": frame.recentred(matrix),
                 "u_index_to_clip": frame.camera.view_projection @ matrix,
-                "u_crop_low": tuple(crop[:, 0]),
-                "u_crop_high": tuple(crop[:, 1]),
-                "u_index_planes": planes,
                 "u_diameter": layout.diameter,
                 "u_pixels_per_unit": self._pixels_per_unit(frame),
                 "u_classic_color": frame.settings.splat_color == "classic",
@@ -321,9 +307,9 @@ class Splatting:
         self._held = None
 
     def release(self) -> None:
-        """Release splats and targets, and wait for a selection in the making."""
+        """Release splats and targets."""
         for store in self._stores.values():
-            store.close()
+            store.clear()
         self._release_blocks()
         if self._pool is not None:
             for purpose in ("splats", "blurred"):

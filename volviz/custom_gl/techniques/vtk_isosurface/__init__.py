@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import Picked, Sight, surface
+from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.vtk_isosurface.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_isosurface.settings import VtkIsosurfaceSettings
-from volviz.model.auto_isovalue import auto_isovalue
 
 
 def _create() -> Any:
@@ -21,10 +22,10 @@ def _create() -> Any:
 def _pick(sight: Sight) -> Picked | None:
     """The surface point that is seen along a ray: where half of the light is stopped, else the nearest."""
     settings = sight.settings
-    isovalues = settings.isovalues or (auto_isovalue(sight.volume),)
-    opacities = [settings.opacities[min(n, len(settings.opacities) - 1)] for n in range(len(isovalues))]
+    count = len(sight.isovalues)
+    opacities = [settings.opacities[min(n, len(settings.opacities) - 1)] for n in range(count)]
     return surface(
-        sight, isovalues, opacities=opacities, step=settings.step, interpolation=settings.interpolation
+        sight, sight.isovalues, opacities=opacities, step=settings.step, interpolation=settings.interpolation
     )
 
 
@@ -35,9 +36,12 @@ TECHNIQUE = TechniqueInfo(
     settings=VtkIsosurfaceSettings,
     create=_create,
     pick=_pick,
+    isovalue_setting="isovalues",
     kind="prop",
     counterpart_of=("isosurface",),
     uses_transfer_function=False,
     order=220,
     matching=MATCHING,
+    study=sample_distances(),
+    oracle=isosurfaces,
 )

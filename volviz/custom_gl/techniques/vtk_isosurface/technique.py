@@ -7,7 +7,6 @@ from typing import Any
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.vtk_props.images import PlacedImage
 from volviz.custom_gl.vtk_props.volumes import GpuVolumeProp
-from volviz.model.auto_isovalue import auto_isovalue
 
 
 class VtkIsosurface(GpuVolumeProp):
@@ -23,7 +22,7 @@ class VtkIsosurface(GpuVolumeProp):
     def classify(self, frame: Frame, placed: PlacedImage) -> None:
         """Isovalues, and steps of colour and opacity between them."""
         settings, volume = frame.settings, frame.volume
-        isovalues = settings.isovalues if settings.isovalues is not None else (auto_isovalue(volume),)
+        isovalues = frame.isovalues
         surfaces = (volume, isovalues, settings.colors, settings.opacities)
         if surfaces == self._surfaces:
             return

@@ -1,0 +1,294 @@
+"""The File menu: open, import, export, copy, quit."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QKeySequence
+from PySide6.QtWidgets import QApplication, QFileDialog
+
+from volviz.model.layers import VolumeRef
+from volviz.model.session import SUFFIX as SESSION_SUFFIX
+from volviz_ui.app_context import AppContext
+from volviz_ui.commands.command import Command, Entry, Menu, has_volume
+from volviz_ui.commands.session import SessionCommands
+from volviz_ui.dialogs.export_mesh import ExportMeshDialog
+from volviz_ui.dialogs.export_picture import ExportPictureDialog
+from volviz_ui.dialogs.job_progress import show_job
+from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
+from volviz_ui.documents import SAMPLE_PREFIX, title_of
+from volviz_ui.picture_copy import PictureCopy
+from volviz_ui.picture_export import PictureExport
+from volviz_ui.script import script_of
+from volviz_ui.surface import shows_mesh
+
+PICTURES = "PNG (*.png);;TIFF (*.tif *.tiff);;JPEG (*.jpg *.jpeg)"
+
+
+class FileCommands(QObject):
+    """Opens and saves for the window."""
+
+    def __init__(self, context: AppContext, sessions: SessionCommands) -> None:
+        super().__init__(context.window)
+        self._context = context
+        self._sessions = sessions
+        self._jobs: list[PictureExport | PictureCopy] = []
+
+    def menu(self) -> Menu:
+        """The table of its commands."""
+        standard = QKeySequence.StandardKey
+        tr = self.tr
+        self.recent = Menu(tr("Open &recent"), self._recent, "clock-counter-clockwise")
+        self.samples = Menu(tr("&Samples"), self._samples, "cube")
+        return Menu(
+            tr("&File"),
+            [
+                Command(
+                    "file.open", tr("&Open…"), tr("Open a volume from a file"), self.open_file,
+                    keys=(standard.Open,), icon="folder-open",
+                ),
+                Command(
+                    "file.open_folder", tr("Open &DICOM folder…"), tr("Open the series in a folder"), self.open_folder,
+                    keys=("Ctrl+Shift+O",), icon="folder",
+                ),
+                self.recent,
+                self.samples,
+                Command(
+                    "file.import_raw", tr("&Import raw file…"), tr("Open a file of bare values; say how to read it"),
+                    self.import_raw, icon="file",
+                ),
+                None,
+                Command(
+                    "file.open_session", tr("Open &session…"),
+                    tr("Restore a whole scene: volume, colours, technique, camera"), self._sessions.open_session,
+                ),
+                Command(
+                    "file.save_session", tr("Sa&ve session…"), tr("Save the whole scene, to go on another day"),
+                    self._sessions.save_session, keys=(standard.Save,), icon="floppy-disk", enabled=has_volume,
+                ),
+                None,
+                Command(
+                    "file.export_picture", tr("&Export picture…"), tr("Draw the picture at any size into a file"),
+                    self.export_picture, keys=("Ctrl+E",), icon="export", enabled=has_volume,
+                ),
+                Command(
+                    "file.export_mesh", tr("Export &mesh…"),
+                    tr("Write the mesh that marching cubes or tetrahedra show to a file"), self.export_mesh,
+                    keys=("Ctrl+Shift+E",), icon="export",
+                    enabled=lambda state: state.triangles > 0 and shows_mesh(state.scene),
+                ),
+                Command(
+                    "file.copy_picture", tr("&Copy picture"), tr("Put the viewport on the clipboard"),
+                    self.copy_picture, keys=("Ctrl+Shift+C",), icon="copy", enabled=has_volume,
+                ),
+                Command(
+                    "file.copy_script", tr("Copy as P&ython"),
+                    tr("Put a script that draws this picture on the clipboard"), self.copy_script, icon="code",
+                    enabled=has_volume,
+                ),
+                None,
+                Command(
+                    "file.quit", tr("&Quit"), tr("Close the window"), self._context.window.close, keys=(standard.Quit,)
+                ),
+            ],
+        )  # fmt: skip
+
+    def _recent(self) -> list[Entry]:
+        preferences, tr = self._context.preferences, self.tr
+        refs = preferences.recent
+        if not refs:
+            return [tr("Nothing opened yet")]
+        entries: list[Entry] = [
+            Command(
+                f"file.recent.{ref.source}",
+                _literal(title_of(ref)),
+                ref.source,
+                partial(self._open_again, ref),
+            )
+            for ref in refs
+        ]
+        forget = tr("Empty the list of files opened last")
+        return [
+            *entries,
+            None,
+            Command("file.recent.forget", tr("Forget these"), forget, preferences.forget_recent),
+        ]
+
+    def _samples(self) -> list[Command]:
+        from volviz.io.samples import samples
+
+        return [
+            Command(
+                f"file.sample.{sample.id}", _literal(sample.label), f"{sample.description}\n{sample.licence}",
+                partial(self._context.documents.open, SAMPLE_PREFIX + sample.id),
+            )
+            for sample in samples()
+        ]  # fmt: skip
+
+    def _open_again(self, ref: VolumeRef) -> None:
+        self._context.documents.open(ref.source, **dict(ref.hints))
+
+    # ------------------------------------------------------------------ opening
+
+    def open_file(self) -> None:
+        """Ask for a file and open it."""
+        from volviz.io import file_dialog_filters
+
+        path, _filter = QFileDialog.getOpenFileName(
+            self._context.window,
+            self.tr("Open a volume"),
+            self._context.preferences.folder,
+            ";;".join(file_dialog_filters()),
+        )
+        if path:
+            self.open_path(path)
+
+    def open_folder(self) -> None:
+        """Ask for a folder of DICOM files and open it."""
+        path = QFileDialog.getExistingDirectory(
+            self._context.window, self.tr("Open a folder of DICOM files"), self._context.preferences.folder
+        )
+        if path:
+            self.open_path(path)
+
+    def import_raw(self) -> None:
+        """Ask for a raw file, then for how to read it."""
+        path, _filter = QFileDialog.getOpenFileName(
+            self._context.window,
+            self.tr("Import a raw file"),
+            self._context.preferences.folder,
+            self.tr("Raw files (*.raw *.raw.gz *.bin *.vol);;All files (*)"),
+        )
+        if path:
+            self.ask_how_to_read(path)
+
+    def open_path(self, path: str) -> None:
+        """Open a file, folder or session; for a raw file whose name does not say enough, ask first."""
+        self._context.preferences.folder = str(Path(path).parent)
+        if path.endswith(SESSION_SUFFIX):
+            self._sessions.open_path(path)
+        elif is_raw(path) and Path(path).is_file() and len(hints_from_name(path)) < 2:
+            self.ask_how_to_read(path)
+        else:
+            self._context.documents.open(path)
+
+    def ask_how_to_read(self, path: str) -> RawImportDialog:
+        """Open the dialog for raw files; the file is opened when it is accepted."""
+        dialog = RawImportDialog(path, self._context.window)
+        dialog.accepted.connect(lambda: self._context.documents.open(path, **dialog.hints))
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def open_dropped(self, paths: list[str]) -> None:
+        """Open what was dropped: one file or folder; of several files of one folder, the folder."""
+        if (
+            len(paths) > 1
+            and len({str(Path(path).parent) for path in paths}) == 1
+            and Path(paths[0]).is_file()
+        ):
+            suffixes = {Path(path).suffix.lower() for path in paths}
+            if suffixes <= {".dcm", ".ima", ""}:
+                self.open_path(str(Path(paths[0]).parent))
+                return
+        if paths:
+            self.open_path(paths[0])
+
+    def export_picture(self) -> ExportPictureDialog | None:
+        """Ask for the size, then for the file, and draw."""
+        if self._context.documents.volume is None:
+            return None
+        dialog = ExportPictureDialog(self._context.views.first.viewport.pixel_size, self._context.window)
+        dialog.accepted.connect(
+            lambda: self._ask_where(dialog.picture_size, transparent=dialog.transparent.isChecked())
+        )
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def _ask_where(self, size: tuple[int, int], *, transparent: bool) -> None:
+        start = str(Path(self._context.preferences.folder) / "volviz.png")
+        path, _filter = QFileDialog.getSaveFileName(
+            self._context.window, self.tr("Save the picture"), start, PICTURES
+        )
+        if path:
+            self.save_picture(path, size, transparent=transparent)
+
+    def save_picture(self, path: str, size: tuple[int, int], *, transparent: bool) -> PictureExport | None:
+        """Draw the scene at a size and save it, with progress and cancel, while the window goes on."""
+        volume = self._context.documents.volume
+        if volume is None:
+            return None
+        handle = self._context.views.active.display.handle
+        export = PictureExport(
+            self._context.store.scene,
+            volume,
+            path,
+            size,
+            transparent=transparent,
+            workers=self._context.workers,
+            surface_colors=None if handle is None else handle.surface_colors,
+            parent=self,
+        )
+        name = Path(export.path).name
+        messages = self._context.messages
+        export.saved.connect(lambda _path: messages.show_status(self.tr("Saved %1").replace("%1", name)))
+        export.failed.connect(lambda error: messages.show_error(self.tr("The picture was not saved"), error))
+        self._follow(export, self.tr("Export picture"), self.tr("Drawing %1…").replace("%1", name))
+        return export
+
+    def _follow(self, job: PictureExport | PictureCopy, title: str, words: str) -> None:
+        """Start a job, show how far it is, and forget it when it has ended."""
+        self._jobs.append(job)
+        show_job(self._context.window, job, title, words)
+
+        def forget() -> None:
+            self._jobs.remove(job)
+            job.deleteLater()
+
+        job.ended.connect(forget)
+        job.start()
+
+    def close(self) -> None:
+        """Give up what is being exported or copied, before the window goes."""
+        for job in list(self._jobs):
+            job.cancel()
+
+    def export_mesh(self) -> ExportMeshDialog | None:
+        """Ask for format and file, and write the mesh that is shown; None where there is none."""
+        facts = self._context.surface.facts
+        if facts is None or not facts.metrics.faces or not shows_mesh(self._context.store.scene):
+            return None
+        dialog = ExportMeshDialog(
+            facts, self._context.workers, self._context.preferences.folder, self._context.window
+        )
+        dialog.saved.connect(self._on_mesh_saved)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def _on_mesh_saved(self, path: str) -> None:
+        self._context.preferences.folder = str(Path(path).parent)
+        self._context.messages.show_status(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
+
+    def copy_picture(self) -> PictureCopy:
+        """Put what is shown, all views of a comparison included, on the clipboard once it is complete."""
+        copy = PictureCopy(self._context.views, self)
+        copy.copied.connect(
+            lambda: self._context.messages.show_status(self.tr("The picture is on the clipboard"), 3000)
+        )
+        self._follow(copy, self.tr("Copy picture"), self.tr("Completing the picture…"))
+        return copy
+
+    def copy_script(self) -> None:
+        """Put a script that draws the same on the clipboard."""
+        script = script_of(self._context.store.scene, self._context.views.first.viewport.pixel_size)
+        QApplication.clipboard().setText(script)
+        self._context.messages.show_status(self.tr("The script is on the clipboard"), 3000)
+
+
+def _literal(name: str) -> str:
+    """A name for a menu: no letter of it is a mark."""
+    return name.replace("&", "&&")

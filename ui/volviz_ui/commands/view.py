@@ -1,0 +1,205 @@
+"""The View menu: cameras, what stands around the volume, panels, full screen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtGui import QKeySequence
+
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.technique import drawn_function
+from volviz.framing import default_camera
+from volviz.model.camera import Camera
+from volviz.model.scene import Color, Scene
+from volviz_ui.app_context import AppContext
+from volviz_ui.commands.command import Command, Menu, has_volume
+from volviz_ui.docks import Docks
+from volviz_ui.views.camera_moves import axis_camera
+
+SHOWN_AT_FIRST = {"box": False, "axes": False, "marker": True, "bar": False, "handles": True}
+
+
+class ViewCommands(QObject):
+    """Looks at the scene in other ways for the window."""
+
+    quality_changed = Signal(str)
+
+    def __init__(self, context: AppContext) -> None:
+        super().__init__(context.window)
+        self._context = context
+
+    def menu(self) -> Menu:
+        """The table of its commands."""
+        tr, docks = self.tr, self._context.docks
+        return Menu(
+            tr("&View"),
+            [
+                Command(
+                    "view.reset_camera", tr("Re&set camera"), tr("See the whole volume again"), self.reset_camera,
+                    keys=("Home", "F"), icon="frame-corners", enabled=has_volume,
+                ),
+                Menu(tr("&Look from"), self._axis_views()),
+                Command(
+                    "view.parallel", tr("Para&llel projection"), tr("Without perspective"), self.set_parallel,
+                    keys=("O",), enabled=has_volume, checked=lambda state: is_parallel(state.scene),
+                ),
+                None,
+                self._switch("box", tr("&Box"), tr("Outline of the volume"), "B", "bounding-box"),
+                self._switch(
+                    "axes", tr("A&xes with units"), tr("Axes around the volume, in world units"), "X", "ruler"
+                ),
+                self._switch(
+                    "marker", tr("&Orientation marker"), tr("Directions of the world, in the corner"), "M", "compass"
+                ),
+                self._switch("bar", tr("&Colour bar"), tr("Colours of the values"), "C"),
+                self._switch(
+                    "handles", tr("&Handles"),
+                    tr("Knobs in the picture that move the light and the cut plane, where the technique has them"), "H",
+                ),
+                Menu(tr("Back&ground"), self._backgrounds()),
+                None,
+                Menu(
+                    tr("&Panels"),
+                    [
+                        *(panel_command(docks, name) for name in docks.names),
+                        None,
+                        Command(
+                            "view.reset_layout", tr("Reset la&yout"), tr("All panels back to their places"), docks.reset
+                        ),
+                    ],
+                ),
+                Command(
+                    "view.full_screen", tr("&Full screen"), tr("Use the whole screen"), self.set_full_screen,
+                    keys=(QKeySequence.StandardKey.FullScreen, "F11"), icon="corners-out",
+                    checked=lambda state: "full_screen" in state.shown,
+                ),
+            ],
+        )  # fmt: skip
+
+    def _axis_views(self) -> list[Command]:
+        tip = self.tr("Look along an axis of the world")
+        return [
+            Command(
+                f"view.from.{letter}", words, tip, partial(self.show_axis_view, letter), keys=(letter,),
+                enabled=has_volume,
+            )
+            for letter, words in (
+                ("A", self.tr("From &anterior (front)")),
+                ("P", self.tr("From &posterior (back)")),
+                ("L", self.tr("From &left")),
+                ("R", self.tr("From &right")),
+                ("S", self.tr("From &superior (above)")),
+                ("I", self.tr("From &inferior (below)")),
+            )
+        ]  # fmt: skip
+
+    def _switch(self, name: str, words: str, tip: str, key: str, icon: str = "") -> Command:
+        return Command(
+            f"view.{name}", words, tip, partial(self.show_scenery, name), keys=(key,), icon=icon,
+            checked=lambda state: name in state.shown,
+        )  # fmt: skip
+
+    def _backgrounds(self) -> list[Command]:
+        tip = self.tr("One colour behind the volume, or the usual gradient")
+
+        def choice(name: str, words: str, color: Color | None) -> Command:
+            return Command(
+                f"view.background.{name}", words, tip, partial(self.set_background, color), group="background",
+                checked=lambda state: state.scene.background == color,
+            )  # fmt: skip
+
+        return [
+            choice("gradient", self.tr("Gradient"), None),
+            choice("black", self.tr("Black"), (0.0, 0.0, 0.0)),
+            choice("grey", self.tr("Grey"), (0.5, 0.5, 0.5)),
+            choice("white", self.tr("White"), (1.0, 1.0, 1.0)),
+        ]
+
+    # ------------------------------------------------------------------ cameras
+
+    def reset_camera(self) -> None:
+        """See all that is visible, a little from the side, as at first."""
+        volume, scene = self._context.documents.volume, self._context.store.scene
+        if volume is not None and scene.layer is not None:
+            function = drawn_function(
+                current_technique(scene), current_settings(scene), scene.layer.transfer_function
+            )
+            size = self._context.views.first.viewport.pixel_size
+            self._show_camera(default_camera(volume, size, transfer_function=function))
+
+    def show_axis_view(self, letter: str) -> None:
+        """Look from anterior, posterior, left, right, superior or inferior."""
+        volume = self._context.documents.volume
+        if volume is not None:
+            self._show_camera(axis_camera(volume, letter, self._context.views.first.viewport.aspect))
+
+    def _show_camera(self, camera: Camera) -> None:
+        """Look through another camera in the present projection."""
+        self._context.views.first.display.show_camera(
+            projected(camera, parallel=is_parallel(self._context.store.scene))
+        )
+
+    def set_parallel(self, on: bool) -> None:
+        """Parallel projection or perspective; what lies at the focal point keeps its size."""
+        if self._context.documents.volume is not None:
+            first = self._context.views.first
+            first.display.show_camera(projected(first.viewport.view_camera, parallel=on))
+
+    # ------------------------------------------------------------------ what stands around
+
+    def show_scenery(self, name: str, on: bool) -> None:
+        """Switch box, axes, orientation marker, colour bar or handles, and remember that."""
+        self._context.preferences.set_shows(name, on)
+        self._show(name, on)
+
+    def _show(self, name: str, on: bool) -> None:
+        if name == "handles":
+            self._context.views.shows_handles = on
+        else:
+            self._context.views.show_scenery(name, on)
+
+    def restore(self) -> None:
+        """Show what was shown when the program was closed."""
+        preferences = self._context.preferences
+        for name, default in SHOWN_AT_FIRST.items():
+            self._show(name, preferences.shows(name, default))
+        self.set_quality(preferences.quality)
+
+    def set_background(self, color: Color | None) -> None:
+        """One colour behind the volume, or the usual gradient."""
+        self._context.store.update(
+            lambda scene: replace(scene, background=color), label=self.tr("Background")
+        )
+
+    def set_quality(self, quality: str) -> None:
+        """Give up more or less while something moves."""
+        self._context.preferences.quality = quality
+        self._context.views.quality = quality
+        self.quality_changed.emit(quality)
+
+    def set_full_screen(self, on: bool) -> None:
+        """Use the whole screen, or the window again."""
+        window, full = self._context.window, Qt.WindowState.WindowFullScreen
+        window.setWindowState(window.windowState() | full if on else window.windowState() & ~full)
+
+
+def panel_command(docks: Docks, name: str) -> Command:
+    """The command that opens and closes a panel."""
+    dock = docks[name]
+    text = docks.tr("%1 panel").replace("%1", dock.windowTitle())
+    return Command(
+        f"panel.{name}", text, dock.tip, partial(docks.switch, name), keys=dock.keys,
+        checked=lambda state: f"panel.{name}" in state.shown,
+    )  # fmt: skip
+
+
+def is_parallel(scene: Scene) -> bool:
+    """Whether the scene is seen in parallel projection."""
+    return scene.view.camera is not None and scene.view.camera.parallel
+
+
+def projected(camera: Camera, *, parallel: bool) -> Camera:
+    """The camera in parallel projection or perspective; what lies at the focal point keeps its size."""
+    return replace(camera, parallel=parallel, parallel_scale=camera.scale if parallel else None)
