@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import moderngl
 import numpy as np
@@ -23,6 +23,7 @@ from volviz.custom_gl.gpu.scalars import (
     texels_of,
 )
 from volviz.custom_gl.gpu.tables import Table, baked, plane_ranges, table_entries
+from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.brick_gradients import occupancy_by_gradient, visible_plane_sums
 from volviz.kernels.bricks import (
@@ -34,11 +35,10 @@ from volviz.kernels.bricks import (
 )
 from volviz.model.transfer_function import TransferFunction, table_size
 from volviz.model.volume import Volume
-from volviz.tasks import LatestResult
+from volviz.tasks import LatestResult, Tasks
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
-    from volviz.custom_gl.technique import Frame
 
 #: Bytes uploaded at once, so that the GUI thread is never held up for long.
 SLAB_BYTES = 4 * 2**20
@@ -46,6 +46,21 @@ SLAB_BYTES = 4 * 2**20
 SMALL_VOXELS = 2**20
 PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
+
+
+class SampledFrame(Protocol):
+    """What of a `volviz.custom_gl.technique.Frame` decides which textures its rays need."""
+
+    volume: Volume
+    transfer_function: TransferFunction
+    common: Any
+    scene_depth: Any
+    interactive: bool
+    tasks: Tasks
+
+    @property
+    def step_world(self) -> float:
+        """Distance between samples in world units."""
 
 
 class VolumeResources:
@@ -219,7 +234,7 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ empty space
 
-    def visible_distance(self, frame: Frame) -> Any:
+    def visible_distance(self, frame: SampledFrame) -> Any:
         """Empty-space field for what the frame's transfer function shows (see `occupied`)."""
         margin = _margin(frame)
 
@@ -230,7 +245,7 @@ class VolumeResources:
         slot = f"visible, {max(self.texels.factor)} voxels a texel"
         return self._cached(self._distances, slot, (margin, *self.occupancy_key(frame)), make)
 
-    def occupancy_key(self, frame: Frame) -> tuple[Any, ...]:
+    def occupancy_key(self, frame: SampledFrame) -> tuple[Any, ...]:
         """Everything that `occupied` depends on; equal keys, equal bricks."""
         function = frame.transfer_function
         if function.by_gradient is None:
@@ -244,7 +259,7 @@ class VolumeResources:
             _bricks_of_differences(frame),
         )
 
-    def occupied(self, frame: Frame) -> npt.NDArray[np.bool_]:
+    def occupied(self, frame: SampledFrame) -> npt.NDArray[np.bool_]:
         """Which bricks may hold anything visible, shape (b_z, b_y, b_x).
 
         Regions are looked at by value alone until the gradients of a large volume are known.
@@ -268,7 +283,7 @@ class VolumeResources:
             (bricks.low, bricks.high), bounds, visible_plane_sums(opacity), table.values, table.gradients
         )
 
-    def _gradient_bricks(self, frame: Frame) -> Bricks | None:
+    def _gradient_bricks(self, frame: SampledFrame) -> Bricks | None:
         """Bounds of the gradients; None for a large volume until a task has found them."""
         volume = self.volume
         known = known_gradient_bricks(volume)
@@ -314,20 +329,38 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ binding
 
-    def bind(self, program: Program, frame: Frame, table_length: float | None = None) -> None:
-        """Bind every texture that the program asks for; opacities of the table are for that length (see `table`)."""
-        units = program.units
-        program.use_texture("t_scalars", self.scalars)
-        if "t_table" in units:
+    def bind(
+        self, program: Program, frame: SampledFrame, table_length: float | None = None, layer: int = 0
+    ) -> None:
+        """Bind every texture that the program asks for.
+
+        Parameters
+        ----------
+        program : Program
+            Whose samplers are meant.
+        frame : SampledFrame
+            What is drawn.
+        table_length : float, optional
+            Length of ray to which opacities of the table belong (see `table`).
+        layer : int, default: 0
+            In which this volume stands in the program (see `volviz.custom_gl.shader_source`).
+        """
+
+        def asked(name: str) -> bool:
+            return layer_name(name, layer) in program.units
+
+        program.use_texture("t_scalars", self.scalars, layer)
+        if asked("t_table"):
             table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
-            program.use_texture("t_table", table)
-        if "t_scene_depth" in units:
-            frame.scene_depth.use(units["t_scene_depth"])
-        if "t_preintegrated" in units:
+            program.use_texture("t_table", table, layer)
+        if "t_scene_depth" in program.units:
+            program.use_texture("t_scene_depth", frame.scene_depth)
+        if asked("t_preintegrated"):
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
             program.use_texture(
                 "t_preintegrated",
                 self.preintegrated(frame.transfer_function, size, frame.common.density_threshold),
+                layer,
             )
             program.set(
                 {
@@ -335,10 +368,11 @@ class VolumeResources:
                     "u_preintegrated_range": self._lookup(
                         self._preintegration_range(frame.transfer_function)
                     ),
-                }
+                },
+                layer,
             )
-        if "t_distance" in units:
-            program.use_texture("t_distance", self.visible_distance(frame))
+        if asked("t_distance"):
+            program.use_texture("t_distance", self.visible_distance(frame), layer)
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
@@ -373,12 +407,13 @@ class VolumeResources:
             cache.clear()
 
 
-def _bricks_of_differences(frame: Frame) -> int:
+def _bricks_of_differences(frame: SampledFrame) -> int:
     """Bricks that central differences reach beyond what the bounds of their own brick cover, one voxel."""
-    return math.ceil(max(frame.common.gradient_delta - 1.0, 0.0) / BRICK)
+    delta: float = frame.common.gradient_delta
+    return math.ceil(max(delta - 1.0, 0.0) / BRICK)
 
 
-def _margin(frame: Frame) -> int:
+def _margin(frame: SampledFrame) -> int:
     """Bricks that empty space must keep away from what is visible: pre-integration looks at both ends of a step."""
     if not frame.common.preintegrated:
         return 0
