@@ -110,7 +110,9 @@ def other_values(p: Parameter) -> list[Any]:
             # in data units: the range of the stage's volume
             return [0.35, 0.6, 0.9]
         middle = (low * high) ** 0.5 if p.logarithmic else (low + high) / 2
-        return [kind(v) for v in (middle, low, high) if kind(v) != p.default]
+        # the ends of the slider, then the utmost that can be typed
+        tried = (middle, low, high) if p.minimum is None else (middle, low, high, p.minimum)
+        return [kind(v) for v in tried if kind(v) != p.default]
     return {
         "color": [(1.0, 0.1, 0.1), (0.1, 0.1, 1.0)],
         "vector": [(0.3, 1.0, 0.2), (12.0, 14.0, 10.0)],
