@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
+
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.presets import Preset
@@ -25,7 +27,7 @@ def presets() -> dict[str, Preset]:
 
 
 def show(
-    volume: Volume, technique: str = "raycast", *, transfer_function: Any = None, **settings: Any
+    volume: Volume, technique: str = DEFAULT_TECHNIQUE, *, transfer_function: Any = None, **settings: Any
 ) -> Any:
     """Show a volume: as a PyVista scene in a notebook, in a window elsewhere.
 

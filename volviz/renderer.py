@@ -22,7 +22,7 @@ from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
-from volviz.model.render_spec import RenderSpec, View
+from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec, View
 from volviz.model.surface_values import DistanceColoring, SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -53,7 +53,7 @@ TURN_SECONDS = 0.03
 
 def render(
     volume: Shown,
-    technique: str = "raycast",
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     size: tuple[int, int] = (800, 600),
@@ -142,7 +142,7 @@ class Renderer:
     def render(
         self,
         volume: Shown,
-        technique: str = "raycast",
+        technique: str = DEFAULT_TECHNIQUE,
         *,
         transfer_function: TransferFunction | None = None,
         camera: Camera | Sequence[Any] | None = None,

@@ -7,14 +7,12 @@ from typing import Any
 from PySide6.QtCore import QObject
 
 from volviz.custom_gl.scene_techniques import change_setting, current_settings, current_technique
-from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import setting_values
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.transfer_editor import TransferEditor
-
-NAMES = ("isovalues", "isovalue")
 
 
 class IsovalueMarkers(QObject):
@@ -37,27 +35,22 @@ class IsovalueMarkers(QObject):
     def _show(self, _changed: Any) -> None:
         values = self._values()
         settings = current_settings(self._store.scene)
-        self._editor.set_isovalues(values, tuple(getattr(settings, "colors", ())))
+        self._editor.set_isovalues(values, tuple(setting_values(settings).get("colors", ())))
 
     def _values(self) -> tuple[float, ...]:
-        settings = current_settings(self._store.scene)
-        name = next((n for n in NAMES if hasattr(settings, n)), None)
-        if name is None or self._volume is None:
+        scene = self._store.scene
+        if self._volume is None:
             return ()
-        value = getattr(settings, name)
-        if value is None:
-            return (auto_isovalue(self._volume),)
-        return tuple(value) if isinstance(value, tuple) else (float(value),)
+        return current_technique(scene).isovalues(current_settings(scene), self._volume)
 
     def _on_moved(self, index: int, value: float) -> None:
         info = current_technique(self._store.scene)
-        parameter = next((p for p in info.parameters if p.name in NAMES), None)
         values = list(self._values())
-        if parameter is None or not 0 <= index < len(values):
+        if info.isovalue_parameter is None or not 0 <= index < len(values):
             return
         values[index] = value
-        new: Any = tuple(values) if parameter.kind == "floats" else value
-        change_setting(self._store, parameter, new, gesture=("isovalue", info.id, index))
+        new = info.isovalue_values(values)[info.isovalue_setting]
+        change_setting(self._store, info.isovalue_parameter, new, gesture=("isovalue", info.id, index))
 
     def _on_released(self, _index: int) -> None:
         self._store.end_gesture()

@@ -10,13 +10,10 @@ import numpy.typing as npt
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QImage
 
+from volviz.custom_gl.oracles import OracleScene
 from volviz.custom_gl.registry import technique
-from volviz.custom_gl.settings import SamplingSettings
 from volviz.errors import VolvizError
-from volviz.kernels.reference import Shading, reference_render
-from volviz.kernels.reference_shadows import reference_shadows
-from volviz.kernels.reference_surface import reference_isosurface
-from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.light import Light
 from volviz.model.parameters import make_settings
 from volviz.model.presets import Preset
 from volviz.model.transfer_function import TransferFunction
@@ -27,8 +24,6 @@ SIDE = 72
 """Voxels of the coarse copy along its longest axis, and pixels of a picture."""
 
 BACKGROUND = (0.11, 0.12, 0.14)
-SURFACE = (0.87, 0.79, 0.65)
-"""Colour of surfaces."""
 FLAT = 0.5
 """A volume is a stack of slices when its depth is less than this share of its width and height."""
 ASPECT = 104 / 72
@@ -126,12 +121,14 @@ def drawn_with(
 ) -> npt.NDArray[np.float64] | None:
     """The copy as the preset's technique draws it, by the oracle of that technique: same view and shape as `drawn`.
 
-    None where there is no such technique here, or it draws nothing that can be foreseen on a small copy.
+    None where there is no such technique here, or no oracle for it.
     """
     try:
         info = technique(str(preset.technique))
         settings = make_settings(info.settings, preset.settings or {}, owner=info.id)
     except VolvizError:
+        return None
+    if info.oracle is None:
         return None
     cell = max(volume.extent) / SIDE
     depth, height, width = cell * (np.array(coarse.shape)[[1, 0, 2]] - 1)
@@ -139,49 +136,14 @@ def drawn_with(
     size = (coarse.shape[2], coarse.shape[0])
     projection = np.diag([2 / (width + cell), 2 / (height + cell), -2 / (depth + 2 * cell), 1.0])
     projection[2, 3] = -1.0
-    where: dict[str, Any] = {"spacing": (cell,) * 3, "view": view, "projection": projection, "size": size}
-    step = max(getattr(settings, "step", 0.5) * min(volume.spacing), 0.5 * cell)
-    isovalues = getattr(settings, "isovalues", getattr(settings, "isovalue", ()))
-    if isinstance(settings, SamplingSettings):
-        picture = _cast(coarse, function, volume, settings, step, where)
-    elif isovalues != ():
-        wanted = (auto_isovalue(volume),) if isovalues is None else isovalues
-        found = reference_isosurface(
-            coarse, **where, isovalues=wanted if isinstance(wanted, tuple) else (wanted,), step_world=step,
-            colors=SURFACE, shading=Shading(),
-        )  # fmt: skip
-        picture = found.color
-    elif hasattr(settings, "attenuation_color"):
-        picture = reference_shadows(
-            coarse, **where, table=function.bake(volume.range), value_range=volume.range, step_world=cell,
-            light_position=(-0.3 * width, -1.5 * depth, height + 0.5 * depth), kappa=settings.attenuation_color,
-            ambient=settings.ambient, unit_distance=settings.opacity_unit_distance or volume.mean_spacing,
-            density_threshold=settings.density_threshold,
-        )  # fmt: skip
-    else:
-        return None
-    return np.clip(picture[..., :3] + (1 - picture[..., 3:]) * np.asarray(BACKGROUND), 0, 1)
-
-
-def _cast(
-    coarse: npt.NDArray[np.float32],
-    function: TransferFunction,
-    volume: Volume,
-    settings: Any,
-    step: float,
-    where: dict[str, Any],
-) -> npt.NDArray[np.float64]:
-    """Any of the ray casters' modes, lit from the eye."""
-    low, high = volume.range
-    lit = Shading(settings.ambient, settings.diffuse, settings.specular, settings.shininess)
-    return reference_render(
-        coarse, **where, table=function.bake((low, high)), value_range=(low, high), step_world=step,
-        unit_distance=settings.opacity_unit_distance or volume.mean_spacing, mode=settings.mode,
-        attenuation=settings.attenuation, shading=lit if settings.shading else None,
-        gradient_opacity=settings.gradient_opacity, gradient_reference=0.25 * (high - low) / volume.mean_spacing,
-        interpolation=settings.interpolation, density_threshold=settings.density_threshold,
-        preintegrated=settings.mode == "composite" and getattr(settings, "preintegrated", False),
+    scene = OracleScene(
+        coarse, (cell,) * 3, function, volume.range, volume.mean_spacing,
+        max(getattr(settings, "step", 0.5) * min(volume.spacing), 0.5 * cell), view, projection, size,
+        isovalues=info.isovalues(settings, volume),
+        light=Light(headlight=False, position=(-0.3 * width, -1.5 * depth, height + 0.5 * depth)),
     )  # fmt: skip
+    rgba = info.oracle(scene, settings)
+    return np.clip(rgba[..., :3] + (1 - rgba[..., 3:]) * np.asarray(BACKGROUND), 0, 1)
 
 
 def image_of(picture: npt.NDArray[np.float64]) -> QImage:

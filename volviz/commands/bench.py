@@ -157,12 +157,11 @@ def _rows(work: BenchRun) -> Iterator[Sequence[Any]]:
 
 
 def _techniques(text: str | None) -> list[str]:
-    from volviz.compare.run import UNTIMED
     from volviz.custom_gl.registry import techniques
 
     if text is not None:
         return [part.strip() for part in text.split(",") if part.strip()]
-    return [ident for ident in techniques() if ident not in UNTIMED]
+    return [ident for ident, info in techniques().items() if not info.is_oracle]
 
 
 def _checked_output(text: str | None) -> Path | None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from volviz.commands.inputs import add_input, load_input
 from volviz.errors import InputError, VolvizError
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo
@@ -31,7 +32,9 @@ def add_commands(commands: Any) -> None:
     add_input(parser, optional=True)
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
                         " a folder with --all-techniques")  # fmt: skip
-    parser.add_argument("-t", "--technique", default="raycast", metavar="ID", help="see volviz techniques")
+    parser.add_argument(
+        "-t", "--technique", default=DEFAULT_TECHNIQUE, metavar="ID", help="see volviz techniques"
+    )
     parser.add_argument(
         "--all-techniques", action="store_true", help="draw with every technique into a folder"
     )

@@ -16,25 +16,20 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.convergence_studies import (
-    STRIDE_CELLS,
-    Study,
-    diagonal,
-    fitted_line,
-    splat_distance,
-    study,
-    why_not,
-)
 from volviz.compare.meshes import side_mesh
 from volviz.compare.samples import ray_samples
-from volviz.compare.shadow_integral import has_shadow_integral, shadow_integral
-from volviz.compare.stage import Stage, View
 from volviz.compare.surface_distance import surface_distance
+from volviz.custom_gl.oracles import OracleScene
 from volviz.custom_gl.registry import technique as technique_info
+from volviz.custom_gl.resolve import resolve
+from volviz.custom_gl.study import STRIDE_CELLS, Study, diagonal, splat_distance
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import InputError
 from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import make_settings
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.volume import Volume
+from volviz.renderer import Renderer
 
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
 ROUNDING = 2e-3
@@ -43,6 +38,8 @@ MESH_SAMPLES = 100_000
 #: Pixels of the picture whose distance from the integral with shadow rays is told: every ray needs many of them. They
 #: become fewer where the volume's diagonal is longer than so many voxels.
 INTEGRAL_PIXELS, INTEGRAL_DIAGONAL = 80 * 60, 400.0
+#: Step of its rays and shadow rays, in voxels of the smallest spacing.
+INTEGRAL_STEP = 0.5
 LEVELS, VOXELS = "levels of 255", "voxels"
 
 
@@ -112,14 +109,16 @@ class ConvergenceRun:
 
     Parameters
     ----------
+    spec : RenderSpec
+        What is shown: layers, light and clipping.
     view : View
-        What is shown; pictures larger than the study allows are made smaller in proportion.
+        From where, with a camera; pictures larger than the study allows are made smaller in proportion.
     name, technique : str
         Name for the result, and id of the technique.
     settings : mapping, optional
         Settings that differ from the defaults.
     how : Study, optional
-        What is varied; by default what `volviz.compare.convergence_studies` says of the technique.
+        What is varied; by default what the technique declares (`TechniqueInfo.study`).
 
     Raises
     ------
@@ -129,6 +128,7 @@ class ConvergenceRun:
 
     def __init__(
         self,
+        spec: RenderSpec,
         view: View,
         name: str,
         technique: str,
@@ -136,11 +136,12 @@ class ConvergenceRun:
         how: Study | None = None,
     ) -> None:
         self._info = technique_info(technique)
-        chosen = how or study(self._info, view.volume)
+        self._spec, self._volume = spec, resolve(spec.drawn_by(technique)).volume
+        chosen = how or study(self._info, self._volume)
         if chosen is None:
             raise InputError(why_not(self._info))
         self._study = chosen
-        self._view = smaller(view, chosen.most_pixels)
+        self._view = smaller(replace(view, background=view.background or (0.0, 0.0, 0.0)), chosen.most_pixels)
         self._name = name
         # a number of slices would leave the step without effect
         given = {key: value for key, value in (settings or {}).items() if key != "slices"}
@@ -160,12 +161,13 @@ class ConvergenceRun:
         offset, model = self._offset(truth)
         yield 2 / total
         distances, errors, largest = [], [], []
-        coarsest = self._settings | {how.parameter: self._as_setting(how.values[0])}
-        with Stage(self._view, self._info.id, coarsest) as stage:
+        with Renderer(self._view.size) as renderer:
             for done, value in enumerate(how.values, 3):
-                stage.update(**{how.parameter: self._as_setting(value)})
-                difference = 255.0 * np.abs(stage.picture("float32").astype(np.float64) - truth)
-                distances.append(self._distance(stage.settings))
+                spec = self._drawn_by(
+                    self._info.id, self._settings | {how.parameter: self._as_setting(value)}
+                )
+                difference = 255.0 * np.abs(_picture(renderer, spec, self._view) - truth)
+                distances.append(self._distance(spec))
                 errors.append(float(np.sqrt(np.mean(difference**2))))
                 largest.append(float(difference.max()))
                 yield done / total
@@ -173,66 +175,69 @@ class ConvergenceRun:
 
     def _converged(self) -> tuple[npt.NDArray[np.float64], str]:
         technique, given = self._info.id, dict(self._settings)
-        if not self._study.own:
+        if self._study.converged:
             # slices are limited in number; the integral is the same
-            technique, given = "raycast", self._as_raycast(given)
+            technique = self._study.converged
+            given = _settings_of(technique, given)
         best = self._as_setting(self._study.best)
         given[self._study.parameter] = best
         if self._study.parameter == "splats_per_axis":
             words = f"{technique} with a splat at every voxel"
         else:
             words = f"{technique} with {self._study.parameter} = {best:g}"
-        return self._picture(self._view, technique, given), words
+        return self._picture(technique, given), words
 
     def _offset(self, truth: npt.NDArray[np.float64]) -> tuple[float | None, str]:
         """Distance of a technique's own limit from what it stands for, and what that is in words."""
         best = self._study.best
-        if self._info.id == "half_angle":
-            share = min((INTEGRAL_DIAGONAL / diagonal(self._view.volume)) ** 2, 1.0)
+        if self._study.is_exact is not None and self._info.oracle is not None:
+            share = min((INTEGRAL_DIAGONAL / diagonal(self._volume)) ** 2, 1.0)
             view = smaller(self._view, round(share * INTEGRAL_PIXELS))
-            with Stage(view, self._info.id, self._settings | {"step": best}) as stage:
-                if stage.notice or not has_shadow_integral(view, stage.settings):
+            spec = self._drawn_by(self._info.id, self._settings | {"step": best})
+            scene = oracle_scene(spec, view, INTEGRAL_STEP)
+            with Renderer(view.size) as renderer:
+                drawn = _picture(renderer, spec, view)
+                if renderer.notice or not self._study.is_exact(scene, spec.settings):
                     return None, ""
-                drawn = stage.picture("float32").astype(np.float64)
-                exact = shadow_integral(view, stage.settings)
+            rgba = self._info.oracle(scene, spec.settings)
+            exact = rgba[..., :3] + (1.0 - rgba[..., 3:]) * np.asarray(view.background)
             return _rms(drawn - exact), "the integral with a shadow ray from every sample"
-        if "raycast" in self._info.counterpart_of and self._study.own and self._study.parameter == "step":
-            given = self._as_raycast(self._settings) | {"step": best}
-            return _rms(truth - self._picture(self._view, "raycast", given)), f"raycast with step = {best:g}"
+        if self._study.beside:
+            other = self._study.beside
+            given = _settings_of(other, self._settings) | {"step": best}
+            return _rms(truth - self._picture(other, given)), f"{other} with step = {best:g}"
         return None, ""
 
-    def _as_raycast(self, settings: Mapping[str, Any]) -> dict[str, Any]:
-        info = technique_info("raycast")
-        known = {p.name for p in info.parameters}
-        return {k: v for k, v in settings.items() if k in known} | {"first_sample": 0.5} | _exact(info)
+    def _drawn_by(self, technique: str, values: Mapping[str, Any]) -> RenderSpec:
+        """What a technique draws with settings by name."""
+        settings = make_settings(technique_info(technique).settings, values, owner=technique)
+        return self._spec.drawn_by(technique, settings)
 
-    def _picture(self, view: View, technique: str, settings: Mapping[str, Any]) -> npt.NDArray[np.float64]:
-        with Stage(view, technique, settings) as stage:
-            return np.asarray(stage.picture("float32"), np.float64)
+    def _picture(self, technique: str, values: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+        with Renderer(self._view.size) as renderer:
+            return _picture(renderer, self._drawn_by(technique, values), self._view)
 
     def _as_setting(self, value: float | None) -> Any:
         whole = value is not None and self._study.parameter != "step"
         return int(value) if whole and value is not None else value
 
-    def _distance(self, settings: Any) -> float:
+    def _distance(self, spec: RenderSpec) -> float:
         """What the error is plotted over, in voxels."""
-        view = self._view
+        settings = spec.settings
         if self._study.parameter == "bisections":
             return float(settings.step) / 2.0 ** int(settings.bisections)
         if self._study.parameter == "splats_per_axis":
-            return splat_distance(view.volume, settings.splats_per_axis)
-        samples = ray_samples(
-            view.volume, view.camera, view.size, self._info.id, settings, view.clipping
-        )  # fmt: skip
-        return float(settings.step) if samples is None else samples.distance / min(view.volume.spacing)
+            return splat_distance(self._volume, settings.splats_per_axis)
+        samples = ray_samples(spec, self._view)
+        return float(settings.step) if samples is None else samples.distance / min(self._volume.spacing)
 
     # ------------------------------------------------------------------------------------ meshes
 
     def _meshes(self) -> Generator[float, None, None]:
         how, total = self._study, len(self._study.values) + 1
-        volume, settings = cropped_to(self._view.volume, STRIDE_CELLS), dict(self._settings)
+        volume, settings = cropped_to(self._volume, STRIDE_CELLS), dict(self._settings)
         if settings.get("isovalue") is None:
-            settings["isovalue"] = auto_isovalue(self._view.volume)
+            settings["isovalue"] = auto_isovalue(self._volume)
         unit = min(volume.spacing)
 
         def mesh(stride: float) -> Any:
@@ -273,6 +278,70 @@ class ConvergenceRun:
         )  # fmt: skip
 
 
+def study(info: TechniqueInfo, volume: Volume) -> Study | None:
+    """How the convergence of a technique is measured on a volume; None where nothing can be refined."""
+    return None if info.study is None else info.study(volume)
+
+
+def why_not(info: TechniqueInfo) -> str:
+    """Why a technique for which there is no study has no order of convergence, in a sentence."""
+    if info.study is not None:
+        return f"{info.id} has no order of convergence here: the volume has too few voxels to leave some out."
+    if "plane" in info.handles:
+        return f"{info.id} looks its surface up once a pixel: there is nothing in its picture to refine."
+    return f"{info.id} has no setting whose refinement its picture is known to converge with."
+
+
+def fitted_line(
+    distances: Sequence[float], errors: Sequence[float], finest: float = 0.0, least: float = 0.0
+) -> tuple[float, float]:
+    """Factor c and exponent p of an error c * distance^p, least squares of the logarithms.
+
+    Parameters
+    ----------
+    distances, errors : sequences of floats
+        Above 0; points at or below `least` are left out.
+    finest : float, default: 0.0
+        Where the errors were taken against the picture at this distance instead of the limit, they are
+        c * (distance^p - finest^p): fitted that way, a short series has the order of a long one.
+    least : float, default: 0.0
+        Errors that are rounding.
+
+    Returns
+    -------
+    tuple of 2 floats
+        c and p; (NaN, NaN) with fewer than two points.
+    """
+    points = [(d, e) for d, e in zip(distances, errors, strict=True) if e > least and d > finest * (1 + 1e-9)]
+    if len({d for d, _ in points}) < 2:
+        return math.nan, math.nan
+    x, y = np.log(np.array(points)).T
+    if finest <= 0.0:
+        slope, offset = np.polyfit(x, y, 1)
+        return math.exp(float(offset)), float(slope)
+    powers = np.linspace(0.05, 6.0, 2381)[:, None]
+    # log(distance^p - finest^p), kept exact where the two are close
+    shapes = powers * x + np.log1p(-np.exp(powers * (math.log(finest) - x)))
+    rest = y - shapes
+    number = int(np.argmin(rest.var(axis=1)))
+    return math.exp(float(rest[number].mean())), float(powers[number, 0])
+
+
+def oracle_scene(spec: RenderSpec, view: View, step: float) -> OracleScene:
+    """What an oracle draws, with samples a number of voxels of the smallest spacing apart; the view has a camera."""
+    shown, camera = resolve(spec), view.camera
+    assert camera is not None
+    volume, light, (width, height) = shown.volume, shown.light, view.size
+    modelview, projection = camera.matrices(width / height, camera.clipping_range(volume.corners))
+    return OracleScene(
+        volume.array, volume.spacing, shown.drawn_function, volume.range, volume.mean_spacing,
+        step * min(volume.spacing), modelview, projection, view.size, volume.origin, volume.direction,
+        isovalues=shown.isovalues,
+        light=light if light.headlight else replace(light, position=shown.light_position),
+        clipping=shown.clipping,
+    )  # fmt: skip
+
+
 def smaller(view: View, most_pixels: int) -> View:
     """The view with at most so many pixels, of the same proportions."""
     width, height = view.size
@@ -294,9 +363,21 @@ def cropped_to(volume: Volume, cells: int) -> Volume:
     )  # fmt: skip
 
 
+def _picture(renderer: Renderer, spec: RenderSpec, view: View) -> npt.NDArray[np.float64]:
+    """Red, green and blue over the view's background, shape (H, W, 3), 0..1."""
+    return np.asarray(renderer.draw(spec, view, dtype="float32")[..., :3], np.float64)
+
+
 def _rms(difference: npt.NDArray[np.float64]) -> float:
     """Root of the mean squared difference in levels of 0..255."""
     return float(255.0 * np.sqrt(np.mean(difference**2)))
+
+
+def _settings_of(technique: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings that a technique knows, so that only its discretisation is left."""
+    info = technique_info(technique)
+    known = {p.name for p in info.parameters}
+    return {k: v for k, v in settings.items() if k in known} | {"first_sample": 0.5} | _exact(info)
 
 
 def _exact(info: TechniqueInfo) -> dict[str, Any]:

@@ -211,12 +211,12 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def picture_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
+def picture_pairs(names: Sequence[str], oracles: Sequence[str] = ()) -> list[tuple[str, str]]:
     """Which sides are set against each other.
 
-    All pairs of up to four; of more, everyone against the first and against the reference.
+    All pairs of up to four; of more, everyone against the first and against the oracles.
     """
     pairs = [(a, b) for i, a in enumerate(names) for b in names[i + 1 :]]
     if len(names) <= 4:
         return pairs
-    return [(a, b) for a, b in pairs if a == names[0] or "reference" in (a, b)]
+    return [(a, b) for a, b in pairs if a == names[0] or a in oracles or b in oracles]

@@ -15,7 +15,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of, setting_values
-from volviz.model.render_spec import RenderSpec
+from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
 from volviz.model.surface_values import DistanceColoring, SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -25,7 +25,7 @@ Layers = tuple[ImageLayer | LabelLayer, ...]
 
 def spec_of(
     shown: Volume | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
-    technique: str = "raycast",
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     settings: Any = None,

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
     from volviz.custom_gl.gpu.resources import VolumeResources
     from volviz.custom_gl.gpu.targets import Target
+    from volviz.custom_gl.oracles import OracleScene
     from volviz.custom_gl.picking import Picked, Sight
+    from volviz.custom_gl.study import Study
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
@@ -82,6 +84,20 @@ class TechniqueInfo:
     extraction : str
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
+    study : callable or None
+        Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
+        nothing in its pictures to refine.
+    oracle : callable or None
+        Draws what it shows with some settings by a float64 oracle, as nearly as that knows it: premultiplied RGBA of
+        shape (H, W, 4), row 0 at the top.
+    is_oracle : bool
+        It is an oracle itself: its frame times say nothing, and everything is compared with it.
+    samples_rays : bool
+        It gathers samples along rays, or in slices across them, as `volviz.kernels.reference_profile` does with its
+        settings.
+    view_slices : callable or None
+        For samples in slices perpendicular to the view: from settings, world corners of what is shown (8, 3), direction
+        of the view and step in world units the distances between which slices lie, and their number.
     """
 
     id: str
@@ -104,6 +120,11 @@ class TechniqueInfo:
     isovalue_setting: str = ""
     matching: Matching = field(default_factory=Matching)
     extraction: str = ""
+    study: Callable[[Volume], Study | None] | None = None
+    oracle: Callable[[OracleScene, Any], Matrix] | None = None
+    is_oracle: bool = False
+    samples_rays: bool = False
+    view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 
     @property
     def uses_textures(self) -> bool:

@@ -11,6 +11,9 @@ from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.surface_values import DistanceColoring, SurfaceColors
 
+#: Id of the technique that draws where none is named.
+DEFAULT_TECHNIQUE = "raycast"
+
 Color = tuple[float, float, float]
 
 
@@ -33,7 +36,7 @@ class RenderSpec:
     """
 
     layers: tuple[ImageLayer | LabelLayer, ...]
-    technique: str = "raycast"
+    technique: str = DEFAULT_TECHNIQUE
     settings: Any = None
     light: Light = Light()
     clipping: Clipping = Clipping()

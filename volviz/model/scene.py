@@ -11,6 +11,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 Color = tuple[float, float, float]
 
@@ -29,7 +30,7 @@ class SceneView:
         None until the first picture is framed.
     """
 
-    technique: str = "raycast"
+    technique: str = DEFAULT_TECHNIQUE
     settings: tuple[tuple[str, Any], ...] = ()
     camera: Camera | None = None
 

@@ -7,16 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from volviz.compare.convergence_studies import (
-    STRIDES,
-    diagonal,
-    fitted_line,
-    splat_counts,
-    splat_distance,
-    study,
-    why_not,
-)
+from volviz.compare.convergence import fitted_line, study, why_not
 from volviz.custom_gl.registry import technique, techniques
+from volviz.custom_gl.study import STRIDES, diagonal, splat_distance, splat_lattices
 from volviz.model.volume import Volume
 
 DISTANCES = (4.0, 2.8, 2.0, 1.4, 1.0)
@@ -85,7 +78,7 @@ def test_finest_pictures_of_large_volumes_stay_within_what_a_technique_can_do() 
 
 def test_lattices_of_splats_come_closer_and_their_distance_is_that_of_the_coarsest_axis() -> None:
     thick = volume((20, 60, 80), (1.0, 1.0, 2.0))
-    counts = splat_counts(thick)
+    counts = splat_lattices(thick).values
     distances = [splat_distance(thick, round(n)) for n in counts]
     assert distances == sorted(distances, reverse=True)
     assert distances[-1] > splat_distance(thick, None) == 2.0

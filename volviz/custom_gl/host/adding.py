@@ -14,7 +14,7 @@ from volviz.errors import InputError
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
-from volviz.model.render_spec import RenderSpec
+from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
@@ -23,7 +23,7 @@ from volviz.model.volume import Volume
 def add_volume(
     plotter: Any,
     volume: Volume | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
-    technique: str = "raycast",
+    technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
     settings: Any = None,

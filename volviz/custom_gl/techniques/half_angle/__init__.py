@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.half_angle.oracle import shadowed_rays
 from volviz.custom_gl.techniques.half_angle.settings import DISPLAYS, HalfAngleSettings
+from volviz.custom_gl.techniques.half_angle.study import study
 from volviz.custom_gl.techniques.half_angle.technique import HalfAngle
 
 TECHNIQUE = TechniqueInfo(
@@ -31,4 +33,6 @@ TECHNIQUE = TechniqueInfo(
         "gradient_delta": "acts with shading or gradient opacity",
     },
     order=60,
+    study=study,
+    oracle=shadowed_rays,
 )

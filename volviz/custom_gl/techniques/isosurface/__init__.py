@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+from volviz.custom_gl.oracles import isosurfaces
+from volviz.custom_gl.study import Study
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.isosurface.settings import DISPLAYS, IsosurfaceSettings
 from volviz.custom_gl.techniques.isosurface.technique import Isosurface, pick
+from volviz.model.volume import Volume
+
+#: Bisections that are tried when convergence is measured, and those of the converged picture.
+BISECTIONS, REFERENCE_BISECTIONS = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0), 14
+
+
+def bisections(_volume: Volume) -> Study:
+    """Each bisection halves the length within which the surface is known."""
+    return Study("bisections", BISECTIONS, REFERENCE_BISECTIONS, "length within which the surface is known")
+
 
 TECHNIQUE = TechniqueInfo(
     id="isosurface",
@@ -29,4 +41,6 @@ TECHNIQUE = TechniqueInfo(
     },
     uses_transfer_function=False,
     order=40,
+    study=bisections,
+    oracle=isosurfaces,
 )

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from volviz.custom_gl.mesh_drawing import CLASSIC, INERT
+from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import on_isovalue
+from volviz.custom_gl.study import mesh_strides
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.marching_tetrahedra.settings import MarchingTetrahedraSettings
 from volviz.custom_gl.techniques.marching_tetrahedra.technique import MarchingTetrahedra
@@ -21,4 +23,6 @@ TECHNIQUE = TechniqueInfo(
     inert=INERT,
     order=75,
     extraction="tetrahedra",
+    study=mesh_strides,
+    oracle=isosurfaces,
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from volviz.custom_gl.oracles import sampled_rays
+from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.raycast.settings import RaycastSettings
 from volviz.custom_gl.techniques.raycast.technique import Raycast
@@ -29,4 +31,7 @@ TECHNIQUE = TechniqueInfo(
         "gradient_delta": "acts with shading or gradient opacity",
     },
     order=10,
+    study=sample_distances(converged="raycast"),
+    oracle=sampled_rays,
+    samples_rays=True,
 )

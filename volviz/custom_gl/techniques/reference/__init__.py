@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from volviz.custom_gl.oracles import sampled_rays
+from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.reference.settings import ReferenceSettings
 from volviz.custom_gl.techniques.reference.technique import Reference
@@ -26,4 +28,8 @@ TECHNIQUE = TechniqueInfo(
         "early_termination": "the default ends no ray early, and rays of a thin volume never gather that much",
     },
     order=300,
+    study=sample_distances(converged="raycast"),
+    oracle=sampled_rays,
+    samples_rays=True,
+    is_oracle=True,
 )

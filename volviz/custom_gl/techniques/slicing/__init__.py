@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from volviz.custom_gl.oracles import sampled_rays
+from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.custom_gl.techniques.slicing.polygons import view_slices
 from volviz.custom_gl.techniques.slicing.settings import DISPLAYS, SlicingSettings
 from volviz.custom_gl.techniques.slicing.technique import Slicing
 
@@ -26,4 +29,8 @@ TECHNIQUE = TechniqueInfo(
         "early_termination": "slices are blended by the hardware, which cannot stop",
     },
     order=20,
+    study=sample_distances(converged="raycast"),
+    oracle=sampled_rays,
+    samples_rays=True,
+    view_slices=view_slices,
 )

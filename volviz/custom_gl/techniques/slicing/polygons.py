@@ -43,10 +43,7 @@ class SlicePolygons:
     def update(self, frame: Frame) -> None:
         """Compute the polygons again when view direction, box, count or sample position have changed."""
         corners, direction = frame.box_corners, frame.camera.direction
-        low, high = box_distance_range(corners, direction)
-        padding = EPSILON * (high - low)
-        low, high = low - padding, high + padding
-        count = frame.settings.slices or wanted_slices(high - low, frame.step_world)
+        low, high, count = view_slices(frame.settings, corners, direction, frame.step_world)
         if frame.interactive:
             count = max(round(count / frame.step_scale), MIN_SLICES) if frame.settings.slices else count
         position = frame.settings.first_sample
@@ -98,6 +95,34 @@ class SlicePolygons:
             self._triangles.release()
             self._triangles = None
         self._key = None
+
+
+def view_slices(
+    settings: Any, corners: npt.NDArray[np.float64], direction: npt.NDArray[np.float64], step: float
+) -> tuple[float, float, int]:
+    """Where slices lie along the view, and how many there are.
+
+    Parameters
+    ----------
+    settings : SlicingSettings
+    corners : ndarray of shape (8, 3)
+        World corners of what is shown.
+    direction : ndarray of shape (3,)
+        Unit vector along the view.
+    step : float
+        Largest distance of slices in world units, unless their number is set.
+
+    Returns
+    -------
+    low, high : float
+        Distances along the view, from the world's origin, between which they lie.
+    count : int
+        Their number.
+    """
+    low, high = box_distance_range(corners, direction)
+    padding = EPSILON * (high - low)
+    low, high = low - padding, high + padding
+    return low, high, settings.slices or wanted_slices(high - low, step)
 
 
 def wanted_slices(depth: float, step: float) -> int:

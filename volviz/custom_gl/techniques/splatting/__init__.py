@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import Picked, Sight, first_visible, on_isovalue
+from volviz.custom_gl.study import splat_lattices
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.splatting.settings import DISPLAYS, SplattingSettings
 from volviz.custom_gl.techniques.splatting.technique import Splatting
@@ -36,4 +38,6 @@ TECHNIQUE = TechniqueInfo(
     },
     inert={"opacity_unit_distance": "acts with the Gaussian footprint"},
     order=50,
+    study=splat_lattices,
+    oracle=isosurfaces,
 )

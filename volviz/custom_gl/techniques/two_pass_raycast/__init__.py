@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from volviz.custom_gl.oracles import sampled_rays
+from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.two_pass_raycast.settings import DISPLAYS, TwoPassSettings
 from volviz.custom_gl.techniques.two_pass_raycast.technique import TwoPassRaycast
@@ -26,4 +28,7 @@ TECHNIQUE = TechniqueInfo(
         "reverse": "both orders give the same picture; the displays show the difference",
     },
     order=30,
+    study=sample_distances(converged="raycast"),
+    oracle=sampled_rays,
+    samples_rays=True,
 )

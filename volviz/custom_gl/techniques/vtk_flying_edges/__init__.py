@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import on_isovalue
+from volviz.custom_gl.study import mesh_strides
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.vtk_props.matching import MESHES
 from volviz.custom_gl.vtk_props.settings import VtkSurfaceSettings
@@ -32,4 +34,6 @@ TECHNIQUE = TechniqueInfo(
     order=240,
     extraction="vtkFlyingEdges3D",
     matching=MESHES,
+    study=mesh_strides,
+    oracle=isosurfaces,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.vtk_gpu.matching import MATCHING
 from volviz.custom_gl.vtk_props.settings import INERT, VtkGpuSettings
@@ -27,4 +28,5 @@ TECHNIQUE = TechniqueInfo(
     inert=INERT,
     order=200,
     matching=MATCHING,
+    study=sample_distances(beside="raycast"),
 )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import Picked, Sight, surface
+from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.vtk_isosurface.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_isosurface.settings import VtkIsosurfaceSettings
@@ -40,4 +42,6 @@ TECHNIQUE = TechniqueInfo(
     uses_transfer_function=False,
     order=220,
     matching=MATCHING,
+    study=sample_distances(),
+    oracle=isosurfaces,
 )

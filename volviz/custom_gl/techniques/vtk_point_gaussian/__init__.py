@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import Picked, Sight, first_visible, on_isovalue
+from volviz.custom_gl.study import splat_lattices
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.vtk_point_gaussian.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_point_gaussian.settings import VtkPointGaussianSettings
@@ -34,4 +36,6 @@ TECHNIQUE = TechniqueInfo(
     counterpart_of=("splatting",),
     order=250,
     matching=MATCHING,
+    study=splat_lattices,
+    oracle=isosurfaces,
 )

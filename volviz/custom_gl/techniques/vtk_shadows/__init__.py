@@ -7,6 +7,7 @@ from typing import Any
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.vtk_shadows.matching import MATCHING
 from volviz.custom_gl.techniques.vtk_shadows.settings import VtkShadowsSettings
+from volviz.custom_gl.techniques.vtk_shadows.study import study
 
 
 def _create() -> Any:
@@ -28,4 +29,5 @@ TECHNIQUE = TechniqueInfo(
     inert={"ambient": "VTK has an ambient part only while the light sits at the eye"},
     order=260,
     matching=MATCHING,
+    study=study,
 )
