@@ -313,8 +313,8 @@ class Renderer:
         spec, view = self._prepared(spec, view, volumes)
         window = self._window_of(view.size)
         asks = on_gpu_clock if on_gpu_clock is not None else not self.is_software
-        query = self._window_gpu().gpu.gl.query(time=True) if asks else None
         window.MakeCurrent()
+        query = self._window_gpu().gpu.gl.query(time=True) if asks else None
         begin = time.perf_counter()
         with query or nullcontext():
             self._frame(spec, view, volumes)
