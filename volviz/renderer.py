@@ -256,6 +256,8 @@ class Renderer:
                 picture[y : y + h, x : x + w] = finished(pixels, view.background, dtype)
             if progress is not None:
                 progress(fraction)
+            if self._handle is not None and self._handle.is_waiting:
+                self._handle.wait(TURN_SECONDS)
         return picture
 
     def turns(
@@ -467,3 +469,6 @@ class _Turns:
 
     def request(self, handle: object) -> None:
         """`Renderer` comes back by itself."""
+
+    def wake(self, handle: object) -> None:
+        """The same holds when work in the background has ended."""

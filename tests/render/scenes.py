@@ -53,6 +53,19 @@ def blobs(
     return field.astype(dtype)
 
 
+class Requests:
+    """A pacer that only counts how often it is asked to go on, and woken by work in the background."""
+
+    def __init__(self) -> None:
+        self.count = self.wakes = 0
+
+    def request(self, _handle: object) -> None:
+        self.count += 1
+
+    def wake(self, _handle: object) -> None:
+        self.wakes += 1
+
+
 def volume(dtype: Any = np.uint8, **geometry: Any) -> volviz.Volume:
     """`blobs` with a geometry."""
     return volviz.Volume(blobs(dtype=dtype), **geometry)

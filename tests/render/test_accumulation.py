@@ -11,21 +11,11 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import camera, function, picture, volume
+from tests.render.scenes import Requests, camera, function, picture, volume
 from volviz.custom_gl.host.accumulation import PHASES, PLACES, SHOWN_AFTER, sample_phase
 from volviz.offscreen import apply_camera
 
 SIZE = (72, 64)
-
-
-class Requests:
-    """A pacer that only counts."""
-
-    def __init__(self) -> None:
-        self.count = 0
-
-    def request(self, handle: object) -> None:
-        self.count += 1
 
 
 @contextmanager

@@ -1,8 +1,7 @@
-"""Bump mapping on meshes: made by a worker, read from files, one sentence for what cannot be read."""
+"""Bump mapping on meshes: made in the background, read from files, one sentence for what cannot be read."""
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,7 @@ import pytest
 import volviz
 from volviz.custom_gl.host.mesh_reading import read_triangles
 from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.custom_gl.techniques.bump_mapping import mesh_worker
-from volviz.custom_gl.techniques.bump_mapping.mesh_surface import MeshData
-from volviz.custom_gl.techniques.bump_mapping.mesh_worker import MeshWorker
-from volviz.errors import Cancelled, LoadError
+from volviz.errors import LoadError
 
 SIZE = (120, 90)
 FLAT: dict[str, Any] = {
@@ -155,58 +151,3 @@ def test_a_file_that_has_changed_is_read_again(of: volviz.Volume, tmp_path: Path
         assert (handle.read_picture()[..., 3] > 0).sum() > 3 * small
     finally:
         window.close()
-
-
-def mesh(number: int) -> MeshData:
-    return MeshData(np.full((3, 12), number, np.float32), np.zeros((1, 3), np.int32))
-
-
-def test_the_worker_answers_none_until_the_mesh_is_there() -> None:
-    worker = MeshWorker()
-    gate = mesh_worker.threading.Event()
-
-    def make(_cancel: Any) -> MeshData:
-        gate.wait()
-        return mesh(1)
-
-    assert worker.get("a", make, 0.001) is None
-    gate.set()
-    assert worker.get("a", make, 5.0).data[0, 0] == 1
-    assert worker.get("a", make, 0.0) is not None
-    worker.close()
-
-
-def test_a_new_wish_cancels_the_mesh_in_work_and_an_error_is_raised_once() -> None:
-    worker = MeshWorker()
-    cancelled = []
-
-    def slow(cancel: Any) -> MeshData:
-        end = time.monotonic() + 20
-        while not cancel() and time.monotonic() < end:
-            time.sleep(0.001)
-        cancelled.append(cancel())
-        raise Cancelled("as wished.")
-
-    def wrong(_cancel: Any) -> MeshData:
-        raise LoadError("no mesh.")
-
-    assert worker.get("slow", slow, 0.001) is None
-    assert worker.get("quick", lambda _cancel: mesh(2), 5.0).data[0, 0] == 2
-    assert cancelled == [True]
-    with pytest.raises(LoadError):
-        worker.get("wrong", wrong, 5.0)
-    assert worker.get("right", lambda _cancel: mesh(3), 5.0).data[0, 0] == 3
-    worker.close()
-
-
-def test_closing_stops_the_worker() -> None:
-    worker = MeshWorker()
-
-    def slow(cancel: Any) -> MeshData:
-        while not cancel():
-            time.sleep(0.001)
-        raise Cancelled("as wished.")
-
-    assert worker.get("slow", slow, 0.0) is None
-    worker.close()
-    assert not any(t.name == "volviz-bump-mesh" for t in mesh_worker.threading.enumerate())

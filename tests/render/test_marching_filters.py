@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import LEFT_HANDED, OBLIQUE, blobs
-from tests.render.test_marching_interaction import Pacer, complete, shown
+from tests.render.scenes import LEFT_HANDED, OBLIQUE, Requests, blobs
+from tests.render.test_marching_interaction import complete, shown
 from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.custom_gl.host.mesh_filters import filter_triangles
 from volviz.custom_gl.mesh_drawing import MeshWish, world_triangles
@@ -141,7 +141,7 @@ def test_a_stand_in_is_filtered_as_a_coarse_mesh_can_be() -> None:
 
 def test_a_filtered_mesh_comes_from_a_worker_that_tells_how_far_it_is() -> None:
     of = volviz.Volume(blobs((60, 60, 60), np.float32))
-    with shown(of, Pacer(), isovalue=0.4) as (window, handle):
+    with shown(of, Requests(), isovalue=0.4) as (window, handle):
         complete(window, handle)
         whole = handle.mesh
         seen: list[Any] = []

@@ -11,24 +11,17 @@ import pytest
 
 import volviz
 from tests.render import scenes
-from tests.render.scenes import blobs
+from tests.render.scenes import Requests, blobs
+from tests.waiting import refuse_to_wait
 from volviz.custom_gl.host.pacing import BUDGET, FULL, CostModel, Level
 from volviz.custom_gl.mesh_drawing import blocks, store, technique
-from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish
+from volviz.custom_gl.mesh_drawing.store import MeshWish
 from volviz.errors import RenderError
 from volviz.kernels import marching
 from volviz.kernels.marching import marching_cubes
+from volviz.tasks import THREAD_NAME
 
 SIZE = (160, 120)
-
-
-class Pacer:
-    """Notes that the full picture is asked for."""
-
-    requests = 0
-
-    def request(self, handle: object) -> None:
-        self.requests += 1
 
 
 class SlowExtraction:
@@ -81,19 +74,20 @@ def alone(of: volviz.Volume, isovalue: float) -> Any:
 def test_the_window_goes_on_while_a_mesh_is_extracted(monkeypatch: pytest.MonkeyPatch) -> None:
     of = field()
     exact = alone(of, 0.6)
-    pacer = Pacer()
+    pacer = Requests()
     with shown(of, pacer, isovalue=0.4) as (window, handle):
         before = complete(window, handle)
         slow = SlowExtraction(monkeypatch)
         handle.update(isovalue=0.6)
-        asked = pacer.requests
+        asked = pacer.count
         window.render()
-        assert pacer.requests > asked
+        assert pacer.count > asked
         for _ in range(5):
             begin = time.perf_counter()
             assert not handle.refine(0.03)
-            # the wait for the worker, and what a busy machine adds
+            # what a busy machine adds
             assert time.perf_counter() - begin < 0.5
+            assert handle.is_waiting
             assert not handle.status.complete
             window.render()
             handle.raise_error()
@@ -107,7 +101,7 @@ def test_the_window_goes_on_while_a_mesh_is_extracted(monkeypatch: pytest.Monkey
 def test_of_many_isovalues_the_newest_is_extracted(monkeypatch: pytest.MonkeyPatch) -> None:
     of = field()
     exact = alone(of, 0.7)
-    with shown(of, Pacer(), isovalue=0.4) as (window, handle):
+    with shown(of, Requests(), isovalue=0.4) as (window, handle):
         complete(window, handle)
         slow = SlowExtraction(monkeypatch)
         for isovalue in np.linspace(0.45, 0.7, 26):
@@ -121,33 +115,73 @@ def test_of_many_isovalues_the_newest_is_extracted(monkeypatch: pytest.MonkeyPat
 
 def test_an_extraction_that_nobody_wants_is_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
     slow = SlowExtraction(monkeypatch)
-    of = field()
-    meshes = MeshStore(keeps=1, cancels=True)
-    first, second = (MeshWish(of, isovalue, "lorensen", 1) for isovalue in (0.4, 0.6))
-    assert meshes.get(first, 0.0) is None
-    assert meshes.get(second, 1.0) is None, "it should wait for a word"
-    assert slow.isovalues == [0.4, 0.6]
-    slow.go.set()
-    found = meshes.get(second, 30.0)
-    assert found is not None
-    assert found.wish == second
-    assert meshes.held(first) is None
-    meshes.close()
+    with shown(field(), Requests(), isovalue=0.4) as (window, handle):
+        for isovalue in (0.4, 0.6):
+            handle.update(isovalue=isovalue)
+            while isovalue not in slow.isovalues:
+                assert not handle.refine(0.01)
+                time.sleep(0.005)
+        # nobody has given the word to the first one
+        assert slow.isovalues == [0.4, 0.6]
+        slow.go.set()
+        complete(window, handle)
+        assert handle.mesh.wish.isovalue == 0.6
+        assert slow.isovalues == [0.4, 0.6]
 
 
-def test_stand_ins_of_a_drag_are_finished_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_frame_of_a_drag_shows_a_newer_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
+    # a machine so slow that full pictures are out of the question
+    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
+    drawn: list[float] = []
+    draw = blocks.MeshBlocks.draw
+
+    def noted(self: Any, block: int, program: Any) -> None:
+        if block == 0:
+            drawn.append(self.mesh.wish.isovalue)
+        draw(self, block, program)
+
+    monkeypatch.setattr(blocks.MeshBlocks, "draw", noted)
+    pacer = Requests()
+    with shown(field(), pacer, isovalue=0.4) as (window, handle):
+        complete(window, handle)
+        handle.begin_interaction()
+        drawn.clear()
+        series = [round(float(isovalue), 4) for isovalue in np.linspace(0.41, 0.6, 20)]
+        for isovalue in series:
+            handle.update(isovalue=isovalue)
+            wakes = pacer.wakes
+            window.render()
+            handle.wait()
+            handle.raise_error()
+            assert pacer.wakes == wakes + 1, "one mesh is made for each isovalue"
+        # each was drawn while the next one was extracted
+        assert drawn == series[:-1]
+        # woken, the window draws the last one though nothing else has changed
+        window.render()
+        assert drawn[-1] == series[-1]
+        window.render()
+        assert len(drawn) == len(series), "nothing new, nothing drawn"
+        handle.end_interaction()
+
+
+def test_nobody_waits_for_an_extraction_in_a_window(monkeypatch: pytest.MonkeyPatch) -> None:
     slow = SlowExtraction(monkeypatch)
-    of = field()
-    meshes = MeshStore(keeps=3, cancels=False)
-    wishes = [MeshWish(of, isovalue, "lorensen", 4) for isovalue in (0.4, 0.5, 0.6)]
-    for wish in wishes:
-        assert meshes.get(wish, 0.0) is None
-    slow.go.set()
-    assert meshes.get(wishes[2], 30.0) is not None
-    # the second one was passed over
-    assert slow.isovalues == [0.4, 0.6]
-    assert meshes.held(wishes[0]) is not None
-    meshes.close()
+    with shown(field(), Requests(), isovalue=0.4) as (window, handle):
+        handle.wait()
+        with monkeypatch.context() as patch:
+            tried = refuse_to_wait(patch)
+            for isovalue in (0.4, 0.5, 0.6):
+                handle.update(isovalue=isovalue)
+                assert not handle.refine(0.01)
+                window.render()
+                handle.begin_interaction()
+                window.render()
+                handle.end_interaction()
+            handle.update(technique="raycast")
+            window.render()
+            handle.raise_error()
+            assert tried == []
+        assert slow.isovalues
 
 
 def test_what_the_extraction_raises_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -161,14 +195,17 @@ def test_what_the_extraction_raises_is_reported(monkeypatch: pytest.MonkeyPatch)
 
 def test_taking_the_volume_away_ends_the_worker(monkeypatch: pytest.MonkeyPatch) -> None:
     slow = SlowExtraction(monkeypatch)
-    with shown(field(), Pacer(), isovalue=0.4) as (_, handle):
+    with shown(field(), Requests(), isovalue=0.4) as (_, handle):
         end = time.monotonic() + 30
         while not slow.isovalues:
             # the scalars are uploaded first
             assert not handle.refine(0.01)
             assert time.monotonic() < end
-        assert "volviz-mesh" in {thread.name for thread in threading.enumerate()}
-    assert "volviz-mesh" not in {thread.name for thread in threading.enumerate()}
+        working = [thread for thread in threading.enumerate() if thread.name == f"{THREAD_NAME} mesh"]
+        assert len(working) == 1
+    # cancelled, not waited for
+    working[0].join(20)
+    assert not working[0].is_alive()
     assert not slow.go.is_set()
 
 
@@ -181,7 +218,6 @@ def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.Monk
     monkeypatch.setattr(technique, "STAND_IN_TRIANGLES_HARDWARE", 1500)
     # a machine so slow that full pictures are out of the question
     monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
-    monkeypatch.setattr(technique, "STAND_IN_PATIENCE", 30.0)
     drawn: list[int] = []
     draw = blocks.MeshBlocks.draw
 
@@ -191,11 +227,14 @@ def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.Monk
         draw(self, block, program)
 
     monkeypatch.setattr(blocks.MeshBlocks, "draw", noted)
-    with shown(of, Pacer(), isovalue=0.4) as (window, handle):
+    with shown(of, Requests(), isovalue=0.4) as (window, handle):
         full = complete(window, handle)
         handle.begin_interaction()
         drawn.clear()
         window.camera.Azimuth(3)
+        window.render()
+        assert drawn == [], "the picture stays until there is a stand-in"
+        handle.wait()
         window.render()
         handle.raise_error()
         assert len(drawn) == 1
@@ -209,7 +248,7 @@ def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.Monk
 
 def test_small_meshes_need_no_stand_in(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
-    with shown(volviz.Volume(blobs(dtype=np.float32)), Pacer(), isovalue=0.4) as (window, handle):
+    with shown(volviz.Volume(blobs(dtype=np.float32)), Requests(), isovalue=0.4) as (window, handle):
         complete(window, handle)
         slow = SlowExtraction(monkeypatch)
         handle.begin_interaction()
@@ -235,7 +274,7 @@ def test_interaction_never_takes_a_full_picture_for_cheap_because_stand_ins_are(
 
 
 def test_resolution_is_not_given_up_where_triangles_cost() -> None:
-    with shown(field(), Pacer(), isovalue=0.4) as (window, handle):
+    with shown(field(), Requests(), isovalue=0.4) as (window, handle):
         complete(window, handle)
         handle.begin_interaction()
         for _ in range(3):

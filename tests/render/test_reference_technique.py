@@ -10,9 +10,20 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import LEFT_HANDED, OBLIQUE, camera, function, oracle, picture, psnr, volume
-from volviz.custom_gl.techniques.reference.computing import Computing, Wish
+from tests.render.scenes import (
+    LEFT_HANDED,
+    OBLIQUE,
+    Requests,
+    camera,
+    function,
+    oracle,
+    picture,
+    psnr,
+    volume,
+)
+from volviz.custom_gl.techniques.reference.computing import Picture, Wish, computed
 from volviz.offscreen import apply_camera
+from volviz.tasks import LatestResult, Tasks
 
 SIZE = (96, 80)
 GEOMETRY: dict[str, dict[str, Any]] = {
@@ -68,20 +79,11 @@ def test_fewer_rows_are_shown_as_blocks() -> None:
     assert np.abs(blocks[:, 0, :, 0] - few).max() < 1e-6
 
 
-class NoPacer:
-    """Remembers that the picture is not complete."""
-
-    requested = 0
-
-    def request(self, _handle: object) -> None:
-        self.requested += 1
-
-
 def test_a_window_goes_on_while_the_reference_is_computed() -> None:
     of = volume()
     plotter = pyvista.Plotter(off_screen=True, window_size=(240, 200))
     plotter.render_window.SetMultiSamples(0)
-    pacer = NoPacer()
+    pacer = Requests()
     try:
         handle = volviz.add_volume(
             plotter, of, "reference", transfer_function=function(of), pacer=pacer, step=0.1
@@ -90,7 +92,7 @@ def test_a_window_goes_on_while_the_reference_is_computed() -> None:
         plotter.reset_camera_clipping_range()
         plotter.show(auto_close=False, interactive=False)
         shares = []
-        assert pacer.requested
+        assert pacer.count
         assert not handle.status.complete
         end = time.perf_counter() + 60
         while not handle.refine(budget=0.01):
@@ -120,23 +122,23 @@ def wish(of: volviz.Volume, **changes: Any) -> Wish:
 
 
 def test_a_picture_that_is_no_longer_wanted_is_cancelled() -> None:
-    of = volume()
-    computing = Computing()
-    try:
-        # some 10 seconds of work
-        assert computing.get(wish(of, step=0.0005), 0.0) is None
-        small = None
-        end = time.perf_counter() + 60
-        while small is None:
-            assert time.perf_counter() < end
-            small = computing.get(wish(of, step=0.5, size=(8, 8)), 0.1)
-        assert small.shape == (8, 8, 4)
-        assert computing.progress == 1.0
-    finally:
-        computing.close()
+    of, tasks = volume(), Tasks()
+    pictures: LatestResult[Wish, Picture] = LatestResult("reference")
+
+    def get(wanted: Wish) -> Picture | None:
+        return pictures.get(tasks, wanted, lambda progress, cancel: computed(wanted, progress, cancel))
+
+    # some 10 seconds of work
+    assert get(wish(of, step=0.0005)) is None
+    small = wish(of, step=0.5, size=(8, 8))
+    assert get(small) is None
+    assert tasks.wait(60)
+    found = get(small)
+    assert found is not None
+    assert found.shape == (8, 8, 4)
+    assert tasks.progress == 1.0
 
 
 def test_an_error_of_the_oracle_is_raised_where_the_picture_is_asked_for() -> None:
-    computing = Computing()
     with pytest.raises(volviz.VolvizError, match="step_world"):
-        computing.get(wish(volume(), step=0.0), 30.0)
+        computed(wish(volume(), step=0.0))

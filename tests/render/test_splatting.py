@@ -27,6 +27,7 @@ from volviz.custom_gl.techniques.splatting.order import back_to_front
 from volviz.custom_gl.techniques.splatting.store import SplatStore, Wanted
 from volviz.kernels.splats import select_splats
 from volviz.offscreen import apply_camera
+from volviz.tasks import Tasks
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -428,10 +429,13 @@ def test_cheap_settings_and_camera_moves_compile_and_upload_nothing() -> None:
 
 
 def test_a_moving_picture_does_not_wait_for_a_new_selection(monkeypatch: pytest.MonkeyPatch) -> None:
-    of = volume()
+    of, tasks = volume(), Tasks()
     first, second = (Wanted(of, isovalue, None, True, None) for isovalue in (100.0, 150.0))
-    store = SplatStore()
-    old = store.get(first, wait=False)
+    store = SplatStore("splats")
+    assert store.get(tasks, first, may_follow=True) is None
+    assert tasks.wait(20)
+    old = store.get(tasks, first, may_follow=True)
+    assert old is not None
     assert old.wanted is first
     may_go_on = threading.Event()
     select = store_module.pack
@@ -441,25 +445,29 @@ def test_a_moving_picture_does_not_wait_for_a_new_selection(monkeypatch: pytest.
         return select(wanted)
 
     monkeypatch.setattr(store_module, "pack", slow)
-    assert store.get(second, wait=False) is old
+    assert store.get(tasks, second, may_follow=True) is old
+    assert store.get(tasks, second, may_follow=False) is None
     may_go_on.set()
-    new = store.get(second, wait=True)
+    assert tasks.wait(20)
+    new = store.get(tasks, second, may_follow=True)
     assert new.wanted.isovalue == 150.0
     assert 0 < len(new.packed) < len(old.packed)
-    store.close()
+    store.clear()
 
 
 def test_what_goes_wrong_in_the_background_is_raised_where_it_is_asked_for() -> None:
-    of = volume()
-    store = SplatStore()
+    tasks, store = Tasks(), SplatStore("splats")
+    wrong = Wanted(volume(), float("nan"), None, True, None)
+    store.get(tasks, wrong, may_follow=True)
+    assert tasks.wait(20)
     with pytest.raises(volviz.VolvizError, match="isovalue"):
-        store.get(Wanted(of, float("nan"), None, True, None), wait=True)
-    store.close()
+        store.get(tasks, wrong, may_follow=True)
 
 
 def test_another_volume_is_waited_for() -> None:
-    store = SplatStore()
-    store.get(Wanted(volume(), 100.0, None, True, None), wait=False)
-    other = volume(np.float32)
-    assert store.get(Wanted(other, 0.5, None, True, None), wait=False).wanted.volume is other
-    store.close()
+    tasks, store = Tasks(), SplatStore("splats")
+    wanted = Wanted(volume(), 100.0, None, True, None), Wanted(volume(np.float32), 0.5, None, True, None)
+    for each in wanted:
+        assert store.get(tasks, each, may_follow=True) is None
+        assert tasks.wait(20)
+        assert store.get(tasks, each, may_follow=True).wanted.volume is each.volume

@@ -9,8 +9,8 @@ import pytest
 
 import volviz
 from tests.render import scenes
-from tests.render.scenes import LEFT_HANDED, blobs, psnr
-from tests.render.test_marching_interaction import Pacer, SlowExtraction, complete
+from tests.render.scenes import LEFT_HANDED, Requests, blobs, psnr
+from tests.render.test_marching_interaction import SlowExtraction, complete
 from volviz.compare.distance_colors import distance_colors, distance_table
 from volviz.compare.distance_map import distance_maps
 from volviz.compare.meshes import side_mesh
@@ -162,7 +162,7 @@ def test_a_mesh_that_vtk_has_cut_keeps_the_colours_of_its_places(ball: volviz.Vo
 def test_no_colours_are_seen_while_another_surface_is_extracted(
     ball: volviz.Volume, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with shown(ball, "marching_cubes", Pacer()) as (window, handle):
+    with shown(ball, "marching_cubes", Requests()) as (window, handle):
         handle.color_surface(along_x(ball, "marching_cubes"))
         complete(window, handle)
         assert np.ptp(window.screenshot(return_img=True)[..., 0]) > 100
@@ -191,7 +191,7 @@ def test_a_stand_in_is_coloured_while_the_camera_turns(
 ) -> None:
     monkeypatch.setattr(mesh_technique, "STAND_IN_TRIANGLES", 600)
     monkeypatch.setattr(surfaces, "MOVING_TRIANGLES", 600)
-    with shown(ball, technique, Pacer()) as (window, handle):
+    with shown(ball, technique, Requests()) as (window, handle):
         handle.color_surface(along_x(ball, technique))
         full = complete(window, handle)
         handle.begin_interaction()

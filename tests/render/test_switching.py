@@ -11,18 +11,11 @@ from typing import Any
 import pytest
 
 import volviz
-from tests.render.scenes import camera, function, volume
+from tests.render.scenes import Requests, camera, function, volume
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.offscreen import apply_camera
 
 ROUNDS = 6
-
-
-class Later:
-    """A pacer whose turn never comes: pictures stay as they are drawn while something moves."""
-
-    def request(self, _handle: Any) -> None:
-        """Nothing follows."""
 
 
 def living_objects(gl: Any) -> dict[str, int]:
@@ -69,7 +62,7 @@ def test_going_through_all_techniques_again_and_again_leaves_no_object(moving: b
         window.show(auto_close=False, interactive=False)
         handle.show_handles()
         if moving:
-            handle.pacer = Later()
+            handle.pacer = Requests()
         ids = [name for name, info in volviz.techniques().items() if info.kind == "image"]
         seen = []
         for turn in range(ROUNDS):

@@ -9,22 +9,13 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import blobs, camera, function, psnr, volume
+from tests.render.scenes import Requests, blobs, camera, function, psnr, volume
 from volviz.custom_gl.host.pacing import FULL
 from volviz.custom_gl.techniques.vtk_point_gaussian import technique as points
 from volviz.custom_gl.vtk_props import surfaces
 from volviz.offscreen import apply_camera
 
 SIZE = (96, 80)
-
-
-class Requests:
-    """A pacer that only counts."""
-
-    count = 0
-
-    def request(self, _handle: object) -> None:
-        self.count += 1
 
 
 def shown(technique: str, of: volviz.Volume, **values: Any) -> tuple[Any, Any]:
@@ -71,7 +62,6 @@ def test_a_gesture_shows_less_and_rest_shows_all(technique: str) -> None:
 def test_a_mesh_of_many_triangles_moves_as_a_coarser_one(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(surfaces, "MOVING_TRIANGLES", 800)
     monkeypatch.setattr(surfaces, "MOVING_TRIANGLES_HARDWARE", 800)
-    monkeypatch.setattr(surfaces, "MOVING_PATIENCE", 30.0)
     of = volviz.Volume(blobs())
     plotter, handle = shown("vtk_flying_edges", of, specular=0.0)
     try:
@@ -82,6 +72,8 @@ def test_a_mesh_of_many_triangles_moves_as_a_coarser_one(monkeypatch: pytest.Mon
         handle.begin_interaction()
         handle._cost.observe(FULL, 1.0)
         handle.update(color=(0.2, 0.4, 0.9))
+        plotter.render()
+        handle.wait()
         plotter.render()
         assert 0 < prop.mapper.GetInput().GetNumberOfCells() < 0.5 * many
         handle.end_interaction()

@@ -288,11 +288,10 @@ class RestlessUser:
 
     def _is_quiet(self) -> bool:
         views, scene = self.window.views, self.window.store.scene
-        moving = any(pane.viewport.is_moving or pane.display.watches_button for pane in views.panes)
         difference = views.arrangement.difference
         settled = not difference.isVisible() or difference.is_exact
         ready = self.window.documents.is_ready_for(scene) and not self.window.documents.is_loading
-        return views.is_complete and ready and not moving and settled
+        return views.is_complete and ready and not self.window.store.is_interacting and settled
 
     # ------------------------------------------------------------------ looking
 

@@ -15,6 +15,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QApplication, QCheckBox
 
 from tests.ui.conftest import settle
+from tests.waiting import join_tasks
 from volviz.errors import LoadError
 from volviz.model.light import Light
 from volviz.model.scene import Scene
@@ -158,6 +159,47 @@ def test_cancelled_work_says_nothing(workers: Workers, wait_for: Wait) -> None:
     workers.cancel("load")
     wait_for(lambda: not workers._tasks)
     assert everything.values == []
+
+
+def test_what_the_work_knows_arrives_before_its_end(workers: Workers, wait_for: Wait) -> None:
+    seen = Listener()
+    go_on = threading.Event()
+
+    def count(task: Task) -> str:
+        task.publish("half")
+        assert go_on.wait(20)
+        task.publish("all")
+        return "done"
+
+    task = workers.start(count)
+    task.published.connect(seen.take)
+    task.succeeded.connect(seen.take)
+    wait_for(lambda: seen.values == ["half"])
+    go_on.set()
+    wait_for(lambda: seen.values == ["half", "all", "done"])
+    assert set(seen.threads) == {threading.get_ident()}
+
+
+def test_closing_waits_for_nothing_and_nothing_arrives_after_it(workers: Workers, qapp: QApplication) -> None:
+    seen = Listener()
+    begun, go_on = threading.Event(), threading.Event()
+
+    def stubborn(_task: Task) -> str:
+        begun.set()
+        go_on.wait(20)
+        return "late"
+
+    task = workers.start(stubborn)
+    for signal in (task.succeeded, task.failed, task.progressed):
+        signal.connect(seen.take)
+    assert begun.wait(20)
+    workers.close()
+    assert not go_on.is_set()
+    go_on.set()
+    join_tasks()
+    settle(qapp)
+    assert seen.values == []
+    assert not workers.is_busy
 
 
 def make_volume(kilobytes: int) -> Volume:

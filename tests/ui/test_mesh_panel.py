@@ -93,7 +93,6 @@ def test_the_section_and_the_command_belong_to_techniques_with_triangles(
 def test_filters_change_the_mesh_and_are_steps_of_the_history(meshes: MainWindow, wait_for: Wait) -> None:
     before = meshes.surface.facts
     change(meshes, "decimation", 0.7)
-    meshes.store.end_gesture()
     wait_for(lambda: meshes.surface.facts is not None and meshes.surface.facts is not before)
     after = meshes.surface.facts
     assert after.metrics.faces == pytest.approx(0.3 * before.metrics.faces, rel=0.1)

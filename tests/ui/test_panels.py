@@ -72,9 +72,10 @@ def test_a_drag_of_a_slider_is_one_step_and_reaches_the_picture(window: MainWind
 def test_no_picture_is_completed_while_a_slider_is_held(window: MainWindow, wait_for: Wait) -> None:
     slider = editor(window, "density_threshold").control.slider
     QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(6, slider.height() // 2))
-    assert window.display._gestures >= 1
+    assert window.store.is_interacting
     QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(6, slider.height() // 2))
-    wait_for(lambda: window.display._gestures == 0)
+    assert not window.store.is_interacting
+    wait_for(lambda: is_complete(window))
 
 
 def test_a_typed_number_beyond_the_slider_is_taken(window: MainWindow) -> None:

@@ -49,7 +49,7 @@ def test_the_switch_draws_the_regions_and_undo_brings_the_curve_back(
     window.store.undo()
     wait_for(lambda: is_complete(window))
     assert np.abs(picture(window) - curve).max() <= 1
-    window.transfer_editor.joint.wait()
+    window.transfer_editor.joint.close()
 
 
 def test_the_picture_follows_a_region_that_is_dragged_and_undo_takes_it_back(

@@ -1,8 +1,8 @@
 """Ties a widget to one value of the scene, in either direction.
 
-`show_value` carries a value from the scene to a widget, `send_value` a widget's signal to the store. Both hold the
-widget weakly: a closed panel disappears although the store lives on. Commands and gestures that change more than
-the value of one widget call `Store.update` themselves.
+`show_value` carries a value from the scene to a widget, `send_value` the widget's values to the store, and
+`send_gesture` tells the store while it is being dragged. All hold the widget weakly: a closed panel disappears although
+the store lives on. Commands and gestures that change more than the value of one widget call `Store.update` themselves.
 """
 
 from __future__ import annotations
@@ -84,9 +84,25 @@ def send_value(
     label : str
         Words for the undo menu.
     gesture : hashable, optional
-        Changes between two calls of `Store.end_gesture` are one step of the history.
+        Key of the gesture that the widget begins and ends (`send_gesture`).
     """
     # the connection belongs to the widget and ends with it; nothing in it refers to the widget
     signal.connect(
         lambda value: store.update(lambda scene: write(scene, value), label=label, gesture=gesture)
     )
+
+
+def send_gesture(started: SignalInstance, finished: SignalInstance, store: Store, key: Hashable) -> None:
+    """Make what a widget emits between two of its signals one gesture of the store.
+
+    Parameters
+    ----------
+    started, finished : Qt signals
+        Emitted when the widget is taken hold of, and let go.
+    store : Store
+        Where the gesture is.
+    key : hashable
+        Key of the gesture.
+    """
+    started.connect(lambda: store.begin_gesture(key))
+    finished.connect(lambda: store.end_gesture(key))

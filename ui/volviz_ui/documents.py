@@ -87,7 +87,7 @@ class Documents(QObject):
         text = os.fspath(source)
         if not text.startswith(SAMPLE_PREFIX):
             text = str(Path(text).absolute())
-        ref = VolumeRef(text, tuple(sorted(hints.items())), content_id(text))
+        ref = VolumeRef(text, tuple(hints.items()), content_id(text))
         self._way_back = None
         self._start(ref, first=True)
 

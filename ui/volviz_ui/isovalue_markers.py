@@ -13,6 +13,7 @@ from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.transfer_editor import TransferEditor
+from volviz_ui.transfer_editor.model import GESTURE
 
 
 class IsovalueMarkers(QObject):
@@ -24,7 +25,6 @@ class IsovalueMarkers(QObject):
         self._editor = editor
         self._volume: Volume | None = None
         editor.isovalue_moved.connect(self._on_moved)
-        editor.isovalue_released.connect(self._on_released)
         show_value(store, _technique_and_settings, self._show)
 
     def set_volume(self, volume: Volume | None) -> None:
@@ -50,10 +50,7 @@ class IsovalueMarkers(QObject):
             return
         values[index] = value
         new = info.isovalue_values(values)[info.isovalue_setting]
-        change_setting(self._store, info.isovalue_parameter, new, gesture=("isovalue", info.id, index))
-
-    def _on_released(self, _index: int) -> None:
-        self._store.end_gesture()
+        change_setting(self._store, info.isovalue_parameter, new, gesture=GESTURE)
 
 
 def _technique_and_settings(scene: Scene) -> Any:

@@ -175,7 +175,7 @@ class MainWindow(QMainWindow):
             store, documents, views, workers, self.compare_panel.distances, self.measurements.meshes, self
         )
         self.reports = Reports(self.context, self.compare_panel)
-        self.pointer = Pointer(documents, views, self.messages.status_line, self.transfer_editor, self)
+        self.pointer = Pointer(store, documents, views, self.messages.status_line, self.transfer_editor, self)
 
     def _make_commands(self) -> None:
         context = self.context
@@ -219,9 +219,6 @@ class MainWindow(QMainWindow):
     # ------------------------------------------------------------------ putting together
 
     def _connect(self) -> None:
-        for panel in (self.data_panel, self.technique_panel, self.transfer_editor):
-            panel.gesture_started.connect(self.views.begin_gesture)
-            panel.gesture_finished.connect(self.views.end_gesture)
         self.transfer_editor.failed.connect(
             lambda error: self.messages.show_error(self.tr("Transfer function"), error)
         )

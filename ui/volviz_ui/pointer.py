@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject, QPointF, QTimer
 
 from volviz.custom_gl.picking import Picked
 from volviz.model.grips import as_vector
+from volviz.model.store import Store
 from volviz_ui.documents import Documents
 from volviz_ui.status_line import StatusLine
 from volviz_ui.transfer_editor import TransferEditor
@@ -22,6 +23,7 @@ class Pointer(QObject):
 
     def __init__(
         self,
+        store: Store,
         documents: Documents,
         views: ViewArea,
         status_line: StatusLine,
@@ -29,6 +31,7 @@ class Pointer(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
+        self._store = store
         self._documents = documents
         self._views = views
         self._status_line = status_line
@@ -62,7 +65,7 @@ class Pointer(QObject):
         view, position = self._place
         if view >= len(self._views.panes):
             return
-        if any(pane.open_gestures for pane in self._views.panes):
+        if self._store.is_interacting:
             # afterwards: while something moves, every repaint of a panel costs frames
             self._timer.start()
             return

@@ -1,25 +1,18 @@
-"""Long work off the GUI thread: progress, cancel, errors brought back; for one purpose the newest wins."""
+"""Long work of the window: progress, results and errors arrive on the GUI thread; for one purpose the newest wins."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Hashable
 from typing import Any
 
-from PySide6.QtCore import QObject, QRunnable, QThreadPool, QTimer, Signal, Slot
+from PySide6.QtCore import QObject, QTimer, Signal, Slot
 
 from volviz.errors import Cancelled
+from volviz.tasks import BackgroundTask, Cancel, Progress, Tasks
+from volviz_ui.gui_thread import Delivery
 
 THREADS = 2
 """Two: a cancelled load that has not noticed yet must not hold up the next one."""
-
-
-class _Relay(QObject):
-    """Carries what happens on a worker to the GUI thread (queued, since the receiver lives there)."""
-
-    progress = Signal(float, str)
-    finished = Signal(object)
-    failed = Signal(object)
 
 
 class Task(QObject):
@@ -27,6 +20,8 @@ class Task(QObject):
 
     progressed = Signal(float, str)
     """Fraction done (below 0: unknown), and what is being done."""
+    published = Signal(object)
+    """What the work knows before its end."""
     succeeded = Signal(object)
     failed = Signal(object)
     ended = Signal()
@@ -34,71 +29,63 @@ class Task(QObject):
     def __init__(self, parent: QObject, function: Callable[[Task], Any], label: str) -> None:
         super().__init__(parent)
         self.label = label
-        self._function = function
-        self._cancel = threading.Event()
-        self._relay = _Relay()
-        self._relay.progress.connect(self._on_progress)
-        self._relay.finished.connect(self._on_finished)
-        self._relay.failed.connect(self._on_failed)
+        self._function: Callable[[Task], Any] | None = function
+        self._is_cancelled = False
+        self._work: BackgroundTask[Any] | None = None
+        self._progress = Delivery(self._on_progress)
+        self._publish = Delivery(self._on_published)
 
     @property
     def is_cancelled(self) -> bool:
         """Asked by the work itself, from any thread."""
-        return self._cancel.is_set()
+        return self._is_cancelled or (self._work is not None and self._work.is_cancelled)
 
     def cancel(self) -> None:
         """Ask the work to stop; its result is dropped in any case."""
-        self._cancel.set()
+        self._is_cancelled = True
+        if self._work is not None:
+            self._work.cancel()
 
     def report(self, fraction: float, text: str = "") -> None:
         """Called by the work: how far it is. Raises `Cancelled` when nobody waits for it any more."""
+        self._check()
+        self._progress(fraction, text)
+
+    def publish(self, result: object) -> None:
+        """Called by the work: what it knows so far. Raises `Cancelled` when nobody waits for it any more."""
+        self._check()
+        self._publish(result)
+
+    def _check(self) -> None:
         if self.is_cancelled:
             raise Cancelled("The work was cancelled.")
-        self._relay.progress.emit(fraction, text)
 
-    def run(self) -> None:
-        """Do the work; called on a worker thread."""
-        try:
-            if self.is_cancelled:
-                raise Cancelled("The work was cancelled.")
-            result = self._function(self)
-        except BaseException as error:  # noqa: BLE001 - whatever it is belongs to the GUI thread, not to the pool
-            self._relay.failed.emit(error)
-        else:
-            self._relay.finished.emit(result)
+    def begin(self, tasks: Tasks, key: Hashable | None) -> None:
+        """Have the work done in the background."""
+        self._work = tasks.start(key, self._run, Delivery(self._on_done))
 
-    @Slot(float, str)
+    def _run(self, _progress: Progress, _cancel: Cancel) -> Any:
+        self._check()
+        assert self._function is not None
+        return self._function(self)
+
     def _on_progress(self, fraction: float, text: str) -> None:
         if not self.is_cancelled:
             self.progressed.emit(fraction, text)
 
-    @Slot(object)
-    def _on_finished(self, result: Any) -> None:
+    def _on_published(self, result: object) -> None:
         if not self.is_cancelled:
-            self.succeeded.emit(result)
-        self._end()
+            self.published.emit(result)
 
-    @Slot(object)
-    def _on_failed(self, error: BaseException) -> None:
-        if not self.is_cancelled and not isinstance(error, Cancelled):
-            self.failed.emit(error)
-        self._end()
-
-    def _end(self) -> None:
-        self._function = lambda _task: None  # lets go of everything the work referred to
+    def _on_done(self, work: BackgroundTask[Any]) -> None:
+        if not self.is_cancelled:
+            if work.error is None:
+                self.succeeded.emit(work.result())
+            elif not isinstance(work.error, Cancelled):
+                self.failed.emit(work.error)
+        self._function = None  # lets go of everything the work referred to
         self.ended.emit()
         self.deleteLater()
-
-
-class _Runnable(QRunnable):
-    def __init__(self, task: Task) -> None:
-        super().__init__()
-        self._task: Task | None = task
-
-    def run(self) -> None:
-        task, self._task = self._task, None
-        if task is not None:
-            task.run()
 
 
 class Gate(QObject):
@@ -130,15 +117,15 @@ class Gate(QObject):
 
 
 class Workers(QObject):
-    """The window's pool of threads."""
+    """The window's tasks in the background."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._gate: Gate | None = None
-        self._waiting: list[Task] = []
-        self._pool = QThreadPool(self)
-        self._pool.setMaxThreadCount(THREADS)
+        self._waiting: list[tuple[Task, Hashable | None]] = []
+        self._pool = Tasks(threads=THREADS)
         self._tasks: dict[Task, Hashable | None] = {}
+        self.destroyed.connect(self._pool.close)
 
     @property
     def gate(self) -> Gate | None:
@@ -182,17 +169,17 @@ class Workers(QObject):
         self._tasks[task] = key
         task.ended.connect(self._forget)
         if patient and self._gate is not None and not self._gate.is_open:
-            self._waiting.append(task)
+            self._waiting.append((task, key))
         else:
-            self._pool.start(_Runnable(task))
+            task.begin(self._pool, key)
         return task
 
     @Slot()
     def _on_gate_opened(self) -> None:
         waiting, self._waiting = self._waiting, []
-        for task in waiting:
+        for task, key in waiting:
             # cancelled ones too: they end as the others do
-            self._pool.start(_Runnable(task))
+            task.begin(self._pool, None if task.is_cancelled else key)
 
     def cancel(self, key: Hashable) -> None:
         """Cancel the work for that purpose."""
@@ -206,12 +193,11 @@ class Workers(QObject):
         return any(not task.is_cancelled for task in self._tasks)
 
     def close(self) -> None:
-        """Cancel everything and wait until the threads have ended."""
+        """Cancel everything; nothing is delivered any more, and the threads end by themselves."""
         for task in self._tasks:
             task.cancel()
         self._waiting.clear()
-        self._pool.clear()
-        self._pool.waitForDone()
+        self._pool.close()
 
     @Slot()
     def _forget(self) -> None:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
+    from volviz.tasks import Tasks
 
 Tile = tuple[int, int, int, int]
 Matrix = npt.NDArray[np.float64]
@@ -275,6 +276,9 @@ class Frame:
         Parts of the target that the box touches, for techniques that work pixel by pixel.
     uniforms : dict
         Uniforms that all shaders share, by name; see ``glsl/``.
+    tasks : Tasks
+        Where the technique has its work done that takes longer than a turn of an event loop; closed when the
+        technique is released. Each task that ends asks for another frame.
     filter_triangles : callable or None
         Smooths and decimates triangles (VTK's filters); may be called on any thread, see
         `volviz.custom_gl.host.mesh_filters.filter_triangles`.
@@ -310,6 +314,7 @@ class Frame:
     interactive: bool
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
+    tasks: Tasks
     filter_triangles: Callable[..., Any] | None = None
     read_triangles: Callable[..., Any] | None = None
     surface_colors: SurfaceColors | None = None
@@ -374,15 +379,15 @@ class ImageTechnique(Protocol):
     Three class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
     buffer; `least_resolution` (float), linear fraction of the full resolution below which nothing gets cheaper,
     for techniques that give up detail by `Frame.step_scale` instead; `accumulates` (bool, True unless said), whether
-    the mean of pictures seen through other points of the pixels is a better one. Two properties are: `mesh`, the
-    triangles that the last full picture showed; `progress` (float), how far the worker is that a `plan` of 0 waits for.
+    the mean of pictures seen through other points of the pixels is a better one. So is the property `mesh`: the
+    triangles that the last full picture showed.
     """
 
     def plan(self, frame: Frame) -> int:
         """Prepare what the frame needs and say into how many chunks its drawing is divided (at least 1).
 
-        0 means that a worker has not finished yet: the last picture stays, and `plan` is asked again soon. A
-        technique that answers 0 waits a few milliseconds for its worker first, so that asking costs nothing.
+        0 means that a task of `Frame.tasks` must end first: the last picture stays, and `plan` is asked again when one
+        has ended. `plan` itself never waits (`volviz.tasks.LatestResult` gives what there is).
         """
 
     def draw(self, frame: Frame, chunk: int) -> None:
@@ -423,7 +428,7 @@ class PropTechnique(Protocol):
         """What is drawn."""
 
     def prepare(self, frame: Frame) -> bool:
-        """Make the props show the values of a frame; False while a worker has not finished.
+        """Make the props show the values of a frame; False while a task of `Frame.tasks` has to end first.
 
         `Frame.resources` and `Frame.uniforms` are empty here: VTK brings the volume onto the GPU itself.
         """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 from volviz.model.camera import Camera
@@ -25,7 +26,7 @@ class SceneView:
     technique : str
         Id of the technique that draws.
     settings : tuple of (technique id, settings)
-        Settings of every technique that was changed; the others have their defaults.
+        Settings of every technique that was changed, by id; the others have their defaults.
     camera : Camera or None
         None until the first picture is framed.
     """
@@ -42,9 +43,14 @@ class SceneView:
         return default()
 
     def with_settings(self, technique: str, settings: Any) -> SceneView:
-        """The view with other settings for a technique."""
-        others = tuple(pair for pair in self.settings if pair[0] != technique)
-        return replace(self, settings=(*others, (technique, settings)))
+        """The view with other settings for a technique; defaults leave no entry, so that equal views compare equal."""
+        kind = type(settings)
+        if self.settings_for(technique, kind) == settings:
+            return self
+        changed = {**dict(self.settings), technique: settings}
+        if settings == kind():
+            del changed[technique]
+        return replace(self, settings=tuple(sorted(changed.items(), key=itemgetter(0))))
 
 
 @dataclass(frozen=True)

@@ -205,21 +205,19 @@ def _layer(data: dict[str, Any], folder: Path | None) -> ImageLayer:
 
 
 def _view(data: dict[str, Any], settings_of: SettingsOf) -> SceneView:
-    settings = []
+    technique, camera = str(data["technique"]), data["camera"]
+    view = SceneView(
+        technique if settings_of(technique) is not None else SceneView().technique,
+        camera=None if camera is None else _camera(camera),
+    )
     for technique, values in data["settings"].items():
         kind: Any = settings_of(technique)
         if kind is not None:
             known = {p.name for p in parameters_of(kind)}
             # a setting that a newer or older program does not have is left at its default
             kept = {name: value for name, value in values.items() if name in known}
-            settings.append((technique, make_settings(kind, kept, owner=technique)))
-    technique = str(data["technique"])
-    camera = data["camera"]
-    return SceneView(
-        technique if settings_of(technique) is not None else SceneView().technique,
-        tuple(settings),
-        None if camera is None else _camera(camera),
-    )
+            view = view.with_settings(technique, make_settings(kind, kept, owner=technique))
+    return view
 
 
 def _camera(data: dict[str, Any]) -> Camera:

@@ -16,7 +16,8 @@ class VolumeRef:
     source : str
         Path of a file or folder, ``sample:<name>``, or ``array:<number>`` for one handed over by a program.
     hints : tuple of (name, value)
-        How to read it (raw dimensions, series); time point and channel belong to the layer that shows it.
+        How to read it (raw dimensions, series); time point and channel belong to the layer that shows
+        it. Sorted by name.
     content_id : str
         Changes when the file changes; part of every cache key.
     """
@@ -24,6 +25,9 @@ class VolumeRef:
     source: str
     hints: tuple[tuple[str, Hashable], ...] = ()
     content_id: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "hints", tuple(sorted(self.hints)))
 
 
 @dataclass(frozen=True)

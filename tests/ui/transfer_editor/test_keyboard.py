@@ -198,17 +198,17 @@ def test_colours_of_the_ramp_are_chosen_moved_added_and_removed(editor, store, q
     assert model.stop is None
 
 
-def test_isovalues_are_chosen_and_moved(editor, qtbot) -> None:
+def test_isovalues_are_chosen_and_moved(editor, store, qtbot) -> None:
     editor.set_isovalues((100.0, 600.0))
-    moved, released = [], []
+    moved, told = [], []
     editor.isovalue_moved.connect(lambda index, value: moved.append((index, value)))
-    editor.isovalue_released.connect(released.append)
+    store.interaction_changed.connect(told.append)
     qtbot.keyClick(editor.plot, Qt.Key.Key_I)
     qtbot.keyClick(editor.plot, Qt.Key.Key_I)
     qtbot.keyClick(editor.plot, Qt.Key.Key_Left)
     assert moved[0][0] == 1
     assert moved[0][1] < 600.0
-    assert released == [1]
+    assert told == [True, False]
     assert editor.plot.accessibleDescription().startswith("Isovalue 2 of 2")
     # after the last one none is chosen, and the arrows belong to the points again
     qtbot.keyClick(editor.plot, Qt.Key.Key_I)

@@ -48,9 +48,22 @@ def test_a_point_follows_the_pointer_and_the_drag_is_one_step(editor, store, dra
     assert values(store) == [-500, 0, 400, 1000]
 
 
-def test_a_drag_tells_when_it_starts_and_ends(editor, store, drag, place, qtbot) -> None:
-    with qtbot.waitSignals([editor.gesture_started, editor.gesture_finished], order="strict"):
-        drag(editor.plot, place(1), place(1) + QPointF(30, 0))
+def test_a_drag_tells_when_it_starts_and_ends(editor, store, drag, place) -> None:
+    told: list[bool] = []
+    store.interaction_changed.connect(told.append)
+    drag(editor.plot, place(1), place(1) + QPointF(30, 0))
+    assert told == [True, False]
+
+
+def test_a_drag_ends_with_a_plot_that_is_hidden(editor, store, drag, place) -> None:
+    before = function(store)
+    drag(editor.plot, place(1), place(1) + QPointF(40, -30), release=False)
+    assert store.is_interacting
+    editor.hide()
+    assert not store.is_interacting
+    assert function(store) != before
+    store.undo()
+    assert function(store) == before
 
 
 def test_shift_restricts_the_drag_to_the_longer_axis(editor, store, drag, place) -> None:
@@ -204,16 +217,19 @@ def test_double_click_on_the_strip_adds_a_colour_that_del_removes(editor, store,
     np.testing.assert_allclose(function(store).evaluate(probe), before.evaluate(probe), atol=1e-9)
 
 
-def test_isovalues_are_dragged_and_told(editor, drag, qtbot) -> None:
+def test_isovalues_are_dragged_and_told(editor, store, drag, qtbot) -> None:
     plot = editor.plot
     editor.set_isovalues((200.0,), ((1.0, 0.0, 0.0),))
     told: list[tuple[int, float]] = []
     editor.isovalue_moved.connect(lambda i, v: told.append((i, v)))
     at = QPointF(plot.places.x(200), plot.places.plot.top() + 4)
-    with qtbot.waitSignal(editor.isovalue_released):
-        drag(plot, at, at + QPointF(50, 0))
+    drag(plot, at, at + QPointF(50, 0), release=False)
+    assert store.is_interacting
     assert told[-1][0] == 0
     assert told[-1][1] == pytest.approx(plot.places.value(at.x() + 50), abs=1)
+    qtbot.keyClick(plot, Qt.Key.Key_Escape)
+    assert not store.is_interacting
+    assert plot.markers == (200.0,)
 
 
 def test_the_curve_is_drawn_where_the_points_are(editor) -> None:

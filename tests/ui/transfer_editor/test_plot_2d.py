@@ -50,7 +50,7 @@ def test_a_technique_that_draws_no_regions_says_so(editor, store) -> None:
     editor.set_two_dimensional_available(True)
     assert editor.plots.currentWidget() is editor.gradient_plot
     assert not editor.dimensions.note.isVisible()
-    editor.joint.wait()
+    editor.joint.close()
 
 
 def test_switching_is_an_edit_that_undo_takes_back(editor, store, qtbot) -> None:

@@ -53,7 +53,7 @@ class FrameTiming(QObject):
         self._total = len(self._order)
         self._begun = False
         for display in self._displays:
-            display.pacer.hold()
+            display.pacer.pause()
             if display.handle is not None:
                 display.handle.on_gpu_clock = not display.handle.gpu.limits.software
         self._timer.start()
@@ -70,7 +70,7 @@ class FrameTiming(QObject):
         for display in displays or ():
             if display.handle is not None:
                 display.handle.on_gpu_clock = False
-            display.pacer.release()
+            display.pacer.resume()
             display.show_picture()
 
     def _turn(self) -> None:
@@ -78,7 +78,7 @@ class FrameTiming(QObject):
             return
         display = self._displays[self._order[0]]
         handle = display.handle
-        if handle is None or handle.error is not None or display.in_gesture:
+        if handle is None or handle.error is not None or display.is_interacting:
             self.cancel()
             return
         if not self._begun:

@@ -13,26 +13,24 @@ from volviz.model.clipping import MAX_PLANES, Plane
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
-from volviz_ui.binding import send_value, show_value
+from volviz_ui.binding import send_gesture, send_value, show_value
 from volviz_ui.editors.number import Scale, SliderField
 from volviz_ui.icons import set_icon
 from volviz_ui.panels.panel import small_button
 
 Planes = tuple[Plane, ...]
+GESTURE = "clip planes"
 
 
 class ClipPlanes(QWidget):
     """The list of clip planes and a button that adds one."""
 
     planes_changed = Signal(object)
-    gesture_started = Signal()
-    gesture_finished = Signal()
 
     def __init__(self, store: Store, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
         self._volume: Volume | None = None
-        self._dragging = False
         self.rows: list[_PlaneRow] = []
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(0, 0, 0, 0)
@@ -42,7 +40,7 @@ class ClipPlanes(QWidget):
         set_icon(self.add, "plus")
         self.add.clicked.connect(self._show_menu)
         self._column.addWidget(self.add)
-        send_value(self.planes_changed, store, _with_planes, label=self.tr("Clip planes"), gesture="planes")
+        send_value(self.planes_changed, store, _with_planes, label=self.tr("Clip planes"), gesture=GESTURE)
         show_value(store, lambda scene: scene.clipping.planes, self.show_planes)
         self.set_volume(None)
 
@@ -65,8 +63,9 @@ class ClipPlanes(QWidget):
                 row.moved.connect(partial(self._on_moved, number))
                 row.turned.connect(partial(self._on_turned, number))
                 row.removed.connect(partial(self._on_removed, number))
-                row.position.gesture_started.connect(self._on_pressed)
-                row.position.gesture_finished.connect(self._on_released)
+                send_gesture(
+                    row.position.gesture_started, row.position.gesture_finished, self._store, GESTURE
+                )
                 self._column.insertWidget(number, row)
                 self.rows.append(row)
         for row, plane in zip(self.rows, planes, strict=True):
@@ -78,7 +77,6 @@ class ClipPlanes(QWidget):
         """One more plane through the middle of the volume."""
         if self._volume is not None:
             self.planes_changed.emit((*self._planes(), (self._volume.center, normal)))
-            self._store.end_gesture()
 
     def _planes(self) -> Planes:
         return self._store.scene.clipping.planes
@@ -106,32 +104,20 @@ class ClipPlanes(QWidget):
         menu.exec(self.add.mapToGlobal(QPoint(0, self.add.height())))
         menu.deleteLater()
 
-    def _on_pressed(self) -> None:
-        self._dragging = True
-        self.gesture_started.emit()
-
-    def _on_released(self) -> None:
-        self._dragging = False
-        self.gesture_finished.emit()
-
     def _on_moved(self, number: int, origin: tuple[float, float, float]) -> None:
         planes = list(self._planes())
         planes[number] = (origin, planes[number][1])
         self.planes_changed.emit(tuple(planes))
-        if not self._dragging:
-            self._store.end_gesture()
 
     def _on_turned(self, number: int) -> None:
         planes = list(self._planes())
         origin, (x, y, z) = planes[number]
         planes[number] = (origin, (-x, -y, -z))
         self.planes_changed.emit(tuple(planes))
-        self._store.end_gesture()
 
     def _on_removed(self, number: int) -> None:
         planes = self._planes()
         self.planes_changed.emit(planes[:number] + planes[number + 1 :])
-        self._store.end_gesture()
 
 
 class _PlaneRow(QWidget):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QPalette
+from PySide6.QtGui import QHideEvent, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSpinBox, QWidget
 from superqt import QRangeSlider
 
@@ -13,23 +13,22 @@ from volviz.model.clipping import Crop
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
-from volviz_ui.binding import send_value, show_value
+from volviz_ui.binding import send_gesture, send_value, show_value
 from volviz_ui.theme import is_palette_change
+
+GESTURE = "crop box"
 
 
 class CropBox(QWidget):
     """A range slider with two fields for each of x, y and z."""
 
     crop_changed = Signal(object)
-    gesture_started = Signal()
-    gesture_finished = Signal()
 
     def __init__(self, store: Store, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
         self.sliders: list[QRangeSlider] = []
         self._dimensions: tuple[int, int, int] | None = None
-        self._dragging = False
         self.fields: list[tuple[QSpinBox, QSpinBox]] = []
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
@@ -52,8 +51,7 @@ class CropBox(QWidget):
                 field.setAccessibleName(tooltip)
                 field.valueChanged.connect(self._on_field)
             slider.valueChanged.connect(self._on_slider)
-            slider.sliderPressed.connect(self._on_pressed)
-            slider.sliderReleased.connect(self._on_released)
+            send_gesture(slider.sliderPressed, slider.sliderReleased, store, GESTURE)
             grid.addWidget(QLabel(axis, self), row, 0)
             grid.addWidget(low, row, 1)
             grid.addWidget(slider, row, 2)
@@ -65,9 +63,14 @@ class CropBox(QWidget):
         self.whole.setToolTip(self.tr("Show all voxels again"))
         self.whole.clicked.connect(self._on_whole)
         grid.addWidget(self.whole, 3, 1, 1, 3)
-        send_value(self.crop_changed, store, _with_crop, label=self.tr("Crop"), gesture="crop")
+        send_value(self.crop_changed, store, _with_crop, label=self.tr("Crop"), gesture=GESTURE)
         show_value(store, lambda scene: scene.clipping.crop, self.show_crop)
         self.set_volume(None)
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Sliders that are not seen do not hear that the button is up."""
+        self._store.end_gesture(GESTURE)
+        super().hideEvent(event)
 
     def changeEvent(self, event: QEvent) -> None:
         """Take the colours of another theme."""
@@ -105,17 +108,8 @@ class CropBox(QWidget):
                 low.setValue(bounds[0])
                 high.setValue(bounds[1])
 
-    def _on_pressed(self) -> None:
-        self._dragging = True
-        self.gesture_started.emit()
-
-    def _on_released(self) -> None:
-        self._dragging = False
-        self.gesture_finished.emit()
-
     def _on_whole(self) -> None:
         self.crop_changed.emit(None)
-        self._store.end_gesture()
 
     def _on_slider(self) -> None:
         self._send([tuple(slider.value()) for slider in self.sliders])
@@ -133,8 +127,6 @@ class CropBox(QWidget):
             limits += [float(first), float(max(high, first + 1))]
         full = [v for n in self._dimensions for v in (0.0, float(n - 1))]
         self.crop_changed.emit(None if limits == full else tuple(limits))
-        if not self._dragging:
-            self._store.end_gesture()
 
 
 def _color_bar(slider: QRangeSlider) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
 from volviz.model.store import Store
@@ -18,12 +17,8 @@ from volviz_ui.workers import Workers
 class DataPanel(Panel):
     """Facts about the volume, its histogram, crop box and clip planes."""
 
-    gesture_started = Signal()
-    gesture_finished = Signal()
-
     def __init__(self, store: Store, workers: Workers, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._store = store
         self._facts: dict[str, Fact] = {}
         facts = Section(self.tr("Volume"), parent=self)
         facts.rows.setVerticalSpacing(3)
@@ -54,14 +49,10 @@ class DataPanel(Panel):
 
         crop = Section(self.tr("Crop box"), parent=self)
         self.crop = CropBox(store, self)
-        self.crop.gesture_started.connect(self.gesture_started)
-        self.crop.gesture_finished.connect(self._on_gesture_finished)
         crop.add_wide(self.crop)
 
         planes = Section(self.tr("Clip planes"), parent=self)
         self.planes = ClipPlanes(store, self)
-        self.planes.gesture_started.connect(self.gesture_started)
-        self.planes.gesture_finished.connect(self._on_gesture_finished)
         planes.add_wide(self.planes)
         for section in (facts, shown, crop, planes):
             self.add(section)
@@ -82,10 +73,6 @@ class DataPanel(Panel):
         self.histogram.set_volume(volume)
         self.crop.set_volume(volume)
         self.planes.set_volume(volume)
-
-    def _on_gesture_finished(self) -> None:
-        self._store.end_gesture()
-        self.gesture_finished.emit()
 
 
 def facts_of(volume: Volume) -> dict[str, str]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QObject, Qt, QTimer
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import QObject, QTimer
 from shiboken6 import delete
 
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.panels.settings_form import SettingsForm
 
@@ -28,13 +28,18 @@ class FormShelf(QObject):
     ----------
     make : callable
         Makes a form, connected, hidden and still without rows, of a technique for a volume.
+    store : Store
+        Nothing is made in advance while something is dragged there.
     """
 
     builds_ahead = True
 
-    def __init__(self, make: Callable[[TechniqueInfo, Volume | None], SettingsForm], parent: QObject) -> None:
+    def __init__(
+        self, make: Callable[[TechniqueInfo, Volume | None], SettingsForm], store: Store, parent: QObject
+    ) -> None:
         super().__init__(parent)
         self._make = make
+        self._store = store
         self._volume: Volume | None = None
         self._forms: dict[str, SettingsForm] = {}
         self._timer = QTimer(self)
@@ -81,7 +86,7 @@ class FormShelf(QObject):
     def _make_next(self) -> None:
         missing = next((info for info in techniques().values() if not self._is_made(info)), None)
         if missing is not None:
-            if QApplication.mouseButtons() == Qt.MouseButton.NoButton:
+            if not self._store.is_interacting:
                 self._begun(missing).grow(PIECE_SECONDS)
             self._timer.start(APART_MS)
 

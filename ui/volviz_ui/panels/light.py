@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QLabel, QWidget
 
 from volviz.custom_gl.settings import SharedSettings
@@ -14,7 +13,7 @@ from volviz.model.parameters import parameters_of
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
-from volviz_ui.binding import send_value, show_value
+from volviz_ui.binding import send_gesture, send_value, show_value
 from volviz_ui.editors import Editor, editor_for
 from volviz_ui.editors.optional import OptionalEditor
 from volviz_ui.panels.panel import Section
@@ -27,9 +26,6 @@ _FIELDS = {"headlight": "headlight", "light_position": "position", "light_color"
 class LightSection(Section):
     """Editors for the fields of `Light`."""
 
-    gesture_started = Signal()
-    gesture_finished = Signal()
-
     def __init__(self, store: Store, parent: QWidget | None = None) -> None:
         super().__init__(self_title(), parent=parent)
         self.rows.setColumnMinimumWidth(0, LABEL_WIDTH)
@@ -39,13 +35,12 @@ class LightSection(Section):
         for name, field in _FIELDS.items():
             parameter = described[name]
             editor = editor_for(parameter)
-            editor.gesture_started.connect(self.gesture_started)
-            editor.gesture_finished.connect(self.gesture_finished)
             self._words[field] = self.add_row(
                 parameter.label, editor, wide=editor.wide, tooltip=editor.toolTip()
             )
             self.editors[field] = editor
-            send_value(editor.value_changed, store, _writer(field), label=parameter.label)
+            send_value(editor.value_changed, store, _writer(field), label=parameter.label, gesture=name)
+            send_gesture(editor.gesture_started, editor.gesture_finished, store, name)
         show_value(store, lambda scene: scene.light, self.show_light)
 
     def show_light(self, light: Light) -> None:

@@ -38,8 +38,9 @@ class SettingsForm(QWidget):
     """
 
     setting_changed = Signal(str, object)
-    gesture_started = Signal()
-    gesture_finished = Signal()
+    gesture_started = Signal(str)
+    gesture_finished = Signal(str)
+    """Names of settings whose editors are taken hold of, and let go."""
     section_folded = Signal(str, bool)
 
     def __init__(
@@ -127,8 +128,8 @@ class SettingsForm(QWidget):
         reset.setSizePolicy(keeps_place)
         reset.clicked.connect(lambda: self.setting_changed.emit(name, parameter.default))
         editor.value_changed.connect(lambda value: self.setting_changed.emit(name, value))
-        editor.gesture_started.connect(self.gesture_started)
-        editor.gesture_finished.connect(self.gesture_finished)
+        editor.gesture_started.connect(lambda: self.gesture_started.emit(name))
+        editor.gesture_finished.connect(lambda: self.gesture_finished.emit(name))
         words = section.add_row(
             parameter.label, editor, tail=reset, wide=editor.wide, tooltip=tooltip_of(parameter)
         )

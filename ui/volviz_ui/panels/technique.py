@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QCoreApplication, QEvent, Signal
+from PySide6.QtCore import QCoreApplication, QEvent
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
@@ -32,17 +32,13 @@ from volviz_ui.surface import shows_mesh
 class TechniquePanel(Panel):
     """Shows and changes the technique of the active view and its settings."""
 
-    gesture_started = Signal()
-    gesture_finished = Signal()
-
     def __init__(self, store: Store, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
         self._volume: Volume | None = None
         self._folded: set[str] = set()
-        self._dragging = False
         self.form: SettingsForm | None = None
-        self.shelf = FormShelf(self._made_form, self)
+        self.shelf = FormShelf(self._made_form, store, self)
         self.box = TechniqueBox(store, self)
         self.summary: QLabel = quiet_label()
         self.summary.setWordWrap(True)
@@ -50,8 +46,6 @@ class TechniquePanel(Panel):
         # two lines always, so that the settings do not jump when the words change
         self.summary.setMinimumHeight(2 * self.fontMetrics().lineSpacing())
         self.light = LightSection(store, self)
-        self.light.gesture_started.connect(self._on_gesture_started)
-        self.light.gesture_finished.connect(self._on_gesture_finished)
         self.reset_all = small_button(
             "arrow-counter-clockwise", self.tr("All settings of this technique back to their defaults"), self
         )
@@ -103,8 +97,8 @@ class TechniquePanel(Panel):
         form = SettingsForm(info, self._is_open, volume, self.body)
         form.hide()
         form.setting_changed.connect(self._on_setting_changed)
-        form.gesture_started.connect(self._on_gesture_started)
-        form.gesture_finished.connect(self._on_gesture_finished)
+        form.gesture_started.connect(lambda name: self._store.begin_gesture(("setting", info.id, name)))
+        form.gesture_finished.connect(lambda name: self._store.end_gesture(("setting", info.id, name)))
         form.section_folded.connect(self._on_folded)
         return form
 
@@ -147,17 +141,6 @@ class TechniquePanel(Panel):
         info = current_technique(self._store.scene)
         parameter = next(p for p in info.parameters if p.name == name)
         change_setting(self._store, parameter, value, gesture=("setting", info.id, name))
-        if not self._dragging:
-            self._store.end_gesture()
-
-    def _on_gesture_started(self) -> None:
-        self._dragging = True
-        self.gesture_started.emit()
-
-    def _on_gesture_finished(self) -> None:
-        self._dragging = False
-        self._store.end_gesture()
-        self.gesture_finished.emit()
 
     def _on_folded(self, title: str, open_: bool) -> None:
         if open_:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 #: Bins of real-valued data, and the largest number for whole numbers.
 BINS = 4096
+WORK = "transfer histogram"
 
 
 @dataclass(frozen=True)
@@ -72,10 +73,6 @@ def bins_of(volume: Volume, most: int = BINS) -> tuple[int, tuple[float, float]]
     return most, (low, high if high > low else low + 1.0)
 
 
-class _Relay(QObject):
-    counted = Signal(object)
-
-
 class Counter(QObject):
     """Counts the values of one volume at a time; `changed` tells of each better result."""
 
@@ -85,57 +82,44 @@ class Counter(QObject):
         super().__init__(parent)
         self.counts: Counts | None = None
         self.is_done = False
-        self._stop = threading.Event()
         self.workers = Workers(self)
-        self._relay = _Relay(self)
-        self._relay.counted.connect(self._on_counted)
-        # Children go first: the owner of the pool still tells in time that nobody waits any more.
-        self.workers.destroyed.connect(self._stop.set)
 
     def set_volume(self, volume: Volume | None) -> None:
         """Count another volume; what still runs for the old one is dropped."""
-        self._stop.set()
-        self._stop = stop = threading.Event()
-        self.workers.destroyed.connect(stop.set)
+        self.workers.cancel(WORK)
         self.counts, self.is_done = None, volume is None
         self.changed.emit()
         if volume is None:
             return
-        relay = self._relay
 
-        def count(_task: Task) -> None:
-            for result in _progress(volume, stop):
-                if stop.is_set():
-                    return
-                relay.counted.emit((stop, result))
+        def count(task: Task) -> None:
+            for result in _progress(volume, lambda: task.is_cancelled):
+                task.publish(result)
 
-        self.workers.start(count, key="transfer histogram", patient=True)
+        self.workers.start(count, key=WORK, patient=True).published.connect(self._on_counted)
 
-    def wait(self) -> None:
-        """Stop and wait for the worker, as before the program ends."""
-        self._stop.set()
+    def close(self) -> None:
+        """Stop counting: the window closes."""
         self.workers.close()
 
     @Slot(object)
-    def _on_counted(self, message: Any) -> None:
-        stop, (counts, done) = message
-        if stop is self._stop:
-            self.counts, self.is_done = counts, done
-            self.changed.emit()
+    def _on_counted(self, result: tuple[Counts, bool]) -> None:
+        self.counts, self.is_done = result
+        self.changed.emit()
 
 
-def _progress(volume: Volume, stop: threading.Event) -> Any:
+def _progress(volume: Volume, cancel: Callable[[], bool]) -> Any:
     """Better and better counts: of the range without outliers where these leave the rest few bins."""
     bins, limits = bins_of(volume)
     coarse = None
     low, high = robust_range(volume)
     if volume.range[1] > volume.range[0] and high - low < 0.02 * (volume.range[1] - volume.range[0]):
         coarse = (low, high)
-    for result in progressive_histogram(volume.array, bins, limits, cancel=stop.is_set):
+    for result in progressive_histogram(volume.array, bins, limits, cancel=cancel):
         counts = _sums(result.edges, result.counts)
         yield counts, result.done >= 1.0 and coarse is None
     if coarse is not None:
-        for result in progressive_histogram(volume.array, BINS, coarse, cancel=stop.is_set):
+        for result in progressive_histogram(volume.array, BINS, coarse, cancel=cancel):
             if result.done >= 1.0:
                 yield _joined(counts, _sums(result.edges, result.counts)), True
 

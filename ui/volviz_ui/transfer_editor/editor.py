@@ -56,13 +56,10 @@ class TransferEditor(QWidget):
         Where the user's presets lie; default: the user's settings folder.
     """
 
-    gesture_started = Signal()
-    gesture_finished = Signal()
     failed = Signal(object)
     """An error to show in words: a `VolvizError`."""
     isovalue_moved = Signal(int, float)
     """The user drags the isovalue of that index."""
-    isovalue_released = Signal(int)
     value_hovered = Signal(object)
     """Value under the pointer, None when it has left the plot."""
 
@@ -119,7 +116,7 @@ class TransferEditor(QWidget):
     def set_isovalues(
         self, values: tuple[float, ...], colors: tuple[tuple[float, float, float], ...] = ()
     ) -> None:
-        """Show markers for isovalues; `isovalue_moved` and `isovalue_released` tell when one is dragged."""
+        """Show markers for isovalues; `isovalue_moved` says when one is dragged."""
         self.plot.set_markers(values, colors)
 
     def highlight_value(self, value: float | None) -> None:
@@ -129,7 +126,7 @@ class TransferEditor(QWidget):
     def begin_shift_stretch(self) -> None:
         """A drag with the modifier starts in the viewport."""
         self._drag_start: TransferFunction | None = self.model.function
-        self.model.begin(self.tr("Shift and stretch"))
+        self.model.begin()
 
     def shift_stretch(self, right: float, up: float) -> None:
         """The drag has gone so far, in fractions of the viewport's size: right shifts, up stretches."""
@@ -163,9 +160,9 @@ class TransferEditor(QWidget):
             self.model.apply(TransferFunction.auto(self.model.volume), self.tr("Automatic function"), ())
 
     def close_workers(self) -> None:
-        """Stop counting and wait, before the program ends."""
-        self.counter.wait()
-        self.joint.wait()
+        """Stop counting: the window closes."""
+        self.counter.close()
+        self.joint.close()
 
     # ------------------------------------------------------------------ building
 
@@ -337,14 +334,11 @@ class TransferEditor(QWidget):
     def _connect(self) -> None:
         model, plot = self.model, self.plot
         model.function_changed.connect(self._on_function_changed)
-        model.gesture_started.connect(self.gesture_started)
-        model.gesture_finished.connect(self.gesture_finished)
         self.dimensions.chosen.connect(self._on_dimension_chosen)
         plot.color_wanted.connect(self.fields.choose_color)
         plot.fields_wanted.connect(self._on_fields_wanted)
         plot.menu_wanted.connect(self._on_menu_wanted)
         plot.marker_moved.connect(self.isovalue_moved)
-        plot.marker_released.connect(self.isovalue_released)
         plot.hovered.connect(self.value_hovered)
         self.commands.failed.connect(self.failed)
         self.popup.chosen.connect(self._on_preset_chosen)

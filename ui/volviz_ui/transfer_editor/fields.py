@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import (
-    QApplication,
     QColorDialog,
     QGridLayout,
     QLabel,
@@ -123,7 +122,7 @@ class Fields(QWidget):
         self.value.valueChanged.connect(self._on_value)
         self.opacity.valueChanged.connect(self._on_opacity)
         self.swatch.clicked.connect(self.choose_color)
-        self.overall.sliderPressed.connect(self._on_overall_pressed)
+        self.overall.sliderPressed.connect(model.begin)
         self.overall.sliderReleased.connect(model.finish)
         self.overall.valueChanged.connect(self._on_overall)
         self.overall.installEventFilter(self)
@@ -187,7 +186,7 @@ class Fields(QWidget):
         dialog.setWindowTitle(self.tr("Colour"))
         dialog.setOption(QColorDialog.ColorDialogOption.DontUseNativeDialog)
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        model.begin(self.tr("Change colour"))
+        model.begin()
         dialog.currentColorChanged.connect(self._on_color)
         dialog.accepted.connect(model.finish)
         dialog.rejected.connect(model.cancel)
@@ -234,14 +233,12 @@ class Fields(QWidget):
             self.overall.setSliderDown(False)
             self.refresh()
             return True
+        if event.type() == QEvent.Type.MouseButtonRelease:
+            self._cancelled = False
         return super().eventFilter(watched, event)
 
-    def _on_overall_pressed(self) -> None:
-        self._cancelled = False
-        self._model.begin(self.tr("Overall opacity"))
-
     def _on_overall(self, position: int) -> None:
-        if self._cancelled and QApplication.mouseButtons() != Qt.MouseButton.NoButton:
+        if self._cancelled:
             # the button is still down, but nothing is being dragged any more
             self.refresh()
             return

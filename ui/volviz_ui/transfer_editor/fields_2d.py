@@ -101,7 +101,7 @@ class RegionFields(QWidget):
         dialog.setWindowTitle(self.tr("Colour"))
         dialog.setOption(QColorDialog.ColorDialogOption.DontUseNativeDialog)
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        model.begin(self.tr("Change colour"))
+        model.begin()
         dialog.currentColorChanged.connect(self._on_color)
         dialog.accepted.connect(model.finish)
         dialog.rejected.connect(model.cancel)

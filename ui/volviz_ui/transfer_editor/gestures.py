@@ -43,7 +43,7 @@ class Gesture:
                 return
             self.begun = True
             if self.label:
-                self.plot.model.begin(self.label)
+                self.plot.model.begin()
         self.drag(at, restricted=restricted)
 
     def finish(self) -> None:
@@ -187,32 +187,20 @@ class MoveMarker(Gesture):
 
     def __init__(self, plot: TransferPlot, at: QPointF, index: int) -> None:
         super().__init__(plot, at)
+        self.label = plot.tr("Move isovalue")
         self.index = index
-        self.before = plot.markers[index]
-        self.grip = plot.places.x(self.before) - at.x()
+        self.before = plot.markers
+        self.grip = plot.places.x(self.before[index]) - at.x()
 
     def drag(self, at: QPointF, *, restricted: bool) -> None:
         """Act on the pointer's new place."""
-        axis = self.plot.axis
-        value = self.plot.places.value(at.x() + self.grip)
-        self._send(min(max(value, axis.data_low), axis.data_high))
-
-    def finish(self) -> None:
-        """The button was released."""
-        if self.begun:
-            self.plot.marker_released.emit(self.index)
+        self.plot.move_marker(self.index, self.plot.places.value(at.x() + self.grip))
 
     def cancel(self) -> None:
         """Escape was pressed."""
         if self.begun:
-            self._send(self.before)
-            self.plot.marker_released.emit(self.index)
-
-    def _send(self, value: float) -> None:
-        markers = list(self.plot.markers)
-        markers[self.index] = value
-        self.plot.set_markers(tuple(markers), self.plot.marker_colors)
-        self.plot.marker_moved.emit(self.index, value)
+            self.plot.set_markers(self.before, self.plot.marker_colors)
+        super().cancel()
 
 
 def stretch_factor(pixels_up: float) -> float:

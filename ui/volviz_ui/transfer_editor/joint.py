@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal, Slot
@@ -16,10 +15,7 @@ if TYPE_CHECKING:
     from volviz.model.volume import Volume
 
 BINS = (512, 192)
-
-
-class _Relay(QObject):
-    counted = Signal(object)
+WORK = "joint histogram"
 
 
 class JointCounter(QObject):
@@ -32,14 +28,11 @@ class JointCounter(QObject):
         self.histogram: JointHistogram | None = None
         self._volume: Volume | None = None
         self._asked: Volume | None = None
-        self._stop = threading.Event()
         self._workers = Workers(self)
-        self._relay = _Relay(self)
-        self._relay.counted.connect(self._on_counted)
 
     def set_volume(self, volume: Volume | None) -> None:
         """Forget the old counts; `count` begins with the new volume."""
-        self._stop.set()
+        self._workers.cancel(WORK)
         self.histogram, self._volume, self._asked = None, volume, None
         self.changed.emit()
 
@@ -49,26 +42,20 @@ class JointCounter(QObject):
         if volume is None or volume is self._asked:
             return
         self._asked = volume
-        self._stop = stop = threading.Event()
-        self._workers.destroyed.connect(stop.set)
-        relay = self._relay
-
         # whole numbers fill whole bins, or a comb of empty ones appears
         columns, limits = bins_of(volume, BINS[0])
 
-        def work(_task: Task) -> None:
+        def work(task: Task) -> None:
             for result in progressive_joint_histogram(
                 volume.array,
                 volume.spacing,
                 bins=(columns, BINS[1]),
                 value_range=limits,
-                cancel=stop.is_set,
+                cancel=lambda: task.is_cancelled,
             ):
-                if stop.is_set():
-                    return
-                relay.counted.emit((stop, result))
+                task.publish(result)
 
-        self._workers.start(work, key="joint histogram")
+        self._workers.start(work, key=WORK).published.connect(self._on_counted)
 
     @property
     def gradient_top(self) -> float:
@@ -82,14 +69,11 @@ class JointCounter(QObject):
         row = int(np.searchsorted(rows, 0.9999 * rows[-1]))
         return float(max(1.25 * edges[min(row + 1, len(edges) - 1)], edges[-1] * 0.05))
 
-    def wait(self) -> None:
-        """Stop and wait for the worker."""
-        self._stop.set()
+    def close(self) -> None:
+        """Stop counting: the window closes."""
         self._workers.close()
 
     @Slot(object)
-    def _on_counted(self, message: Any) -> None:
-        stop, histogram = message
-        if stop is self._stop:
-            self.histogram = histogram
-            self.changed.emit()
+    def _on_counted(self, histogram: JointHistogram) -> None:
+        self.histogram = histogram
+        self.changed.emit()

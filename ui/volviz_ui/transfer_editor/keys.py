@@ -64,9 +64,9 @@ def handle_key(plot: TransferPlot, event: QKeyEvent) -> bool:
     action = _action(plot, event)
     if action is None:
         return False
-    if event.key() in HELD and not plot.model.in_gesture and plot.marker < 0:
+    if event.key() in HELD and not plot.model.in_gesture:
         # until the key is let go: holding it down is one step of the history
-        plot.model.begin(plot.tr("Move points") if event.key() in _ARROWS else plot.tr("Shift and stretch"))
+        plot.model.begin()
     action()
     event.accept()
     return True

@@ -1,9 +1,8 @@
-"""What the editor works on: the function in the store, the chosen points, one gesture at a time."""
+"""What the editor works on: the function in the store and the chosen points."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import count
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
@@ -18,7 +17,8 @@ if TYPE_CHECKING:
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
 
-_numbers = count(1)
+GESTURE = "transfer function"
+"""Key of the gestures of the editor, of which one runs at a time."""
 
 
 class EditorModel(QObject):
@@ -38,8 +38,6 @@ class EditorModel(QObject):
     function_changed = Signal()
     selection_changed = Signal()
     range_changed = Signal()
-    gesture_started = Signal()
-    gesture_finished = Signal()
 
     def __init__(self, store: Store, parent: QObject) -> None:
         super().__init__(parent)
@@ -47,8 +45,6 @@ class EditorModel(QObject):
         self.volume: Volume | None = None
         self._selection: frozenset[int] = frozenset()
         self._stop: int | None = None
-        self._gesture: tuple[str, int] | None = None
-        self._gesture_label = ""
         self._selection_before: frozenset[int] = frozenset()
         self._stop_before: int | None = None
         self._writing = False
@@ -102,7 +98,7 @@ class EditorModel(QObject):
     @property
     def in_gesture(self) -> bool:
         """Whether a drag is going on."""
-        return self._gesture is not None
+        return self.store.has_gesture(GESTURE)
 
     def set_volume(self, volume: Volume | None) -> None:
         """Take the range and unit of another volume."""
@@ -129,37 +125,30 @@ class EditorModel(QObject):
 
     def apply(self, function: TransferFunction, label: str, selection: Iterable[int] | None = None) -> None:
         """One change, one step of the history (or part of the running gesture)."""
-        self._write(function, self._gesture_label if self._gesture else label, selection)
+        self._write(function, label, selection)
 
-    def begin(self, label: str) -> None:
+    def begin(self) -> None:
         """A gesture starts: what follows until `finish` is one step of the history."""
-        if self._gesture is not None:
-            self.finish()
-        self._gesture, self._gesture_label = ("transfer function", next(_numbers)), label
+        self.finish()
         self._selection_before, self._stop_before = self._selection, self._stop
-        self.gesture_started.emit()
+        self.store.begin_gesture(GESTURE)
 
     def finish(self) -> None:
         """The gesture is over."""
-        if self._gesture is not None:
-            self._gesture = None
-            self.store.end_gesture()
-            self.gesture_finished.emit()
+        self.store.end_gesture(GESTURE)
 
     def cancel(self) -> None:
         """Take back what the gesture has changed."""
-        if self._gesture is not None:
-            gesture, self._gesture = self._gesture, None
+        if self.in_gesture:
             self._writing = True
             try:
-                self.store.cancel_gesture(gesture)
+                self.store.cancel_gesture(GESTURE)
             finally:
                 self._writing = False
             self._read()
             self._selection, self._stop = self._selection_before, self._stop_before
             self.function_changed.emit()
             self.selection_changed.emit()
-            self.gesture_finished.emit()
 
     def apply_lanes(self, colors: Lane, opacities: Lane, label: str, stop: int | None = None) -> None:
         """Colours and opacities put together and stored; the lanes keep stops that lie on a straight line.
@@ -178,7 +167,7 @@ class EditorModel(QObject):
         function = merged(colors, opacities, self._shown)
         self._selection, self._stop = frozenset(), self._stop if stop is None else stop
         self._kept_lanes = (function, (colors, opacities))
-        self._write(function, self._gesture_label if self._gesture else label)
+        self._write(function, label)
         self.selection_changed.emit()
 
     # ------------------------------------------------------------------ edits of the chosen points
@@ -223,7 +212,7 @@ class EditorModel(QObject):
         self._writing = True
         try:
             self.store.update(
-                lambda scene: scene.with_layer(transfer_function=function), label=label, gesture=self._gesture
+                lambda scene: scene.with_layer(transfer_function=function), label=label, gesture=GESTURE
             )
         finally:
             self._writing = False

@@ -8,6 +8,7 @@ from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFocusEvent,
+    QHideEvent,
     QKeyEvent,
     QMouseEvent,
     QNativeGestureEvent,
@@ -57,7 +58,6 @@ class TransferPlot(PlotView):
     fields_wanted = Signal()
     menu_wanted = Signal(QPointF)
     marker_moved = Signal(int, float)
-    marker_released = Signal(int)
     hovered = Signal(object)
     """Value under the pointer, None when it has left."""
 
@@ -225,6 +225,13 @@ class TransferPlot(PlotView):
             self.model.finish()
         super().focusOutEvent(event)
 
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Nor does a plot that is not seen hear that the button is let go."""
+        gesture, self._gesture = self._gesture, None
+        if gesture is not None:
+            gesture.finish()
+        super().hideEvent(event)
+
     def escape(self) -> bool:
         """Cancel the gesture, or choose nothing; False when there was neither."""
         if self._gesture is not None:
@@ -253,16 +260,18 @@ class TransferPlot(PlotView):
         self.update()
 
     def nudge_marker(self, pixels: float) -> None:
-        """Move the chosen isovalue; one step of the history."""
+        """Move the chosen isovalue."""
         if pixels and 0 <= self.marker < len(self.markers):
-            value = self.places.value(self.places.x(self.markers[self.marker]) + pixels)
-            value = min(max(value, self.axis.data_low), self.axis.data_high)
-            index, markers = self.marker, list(self.markers)
-            markers[index] = value
-            self.set_markers(tuple(markers), self.marker_colors)
-            self.marker_moved.emit(index, value)
-            self.marker_released.emit(index)
+            self.move_marker(
+                self.marker, self.places.value(self.places.x(self.markers[self.marker]) + pixels)
+            )
             self.describe_marker()
+
+    def move_marker(self, index: int, value: float) -> None:
+        """Give an isovalue another value, within the range of the data."""
+        value = min(max(value, self.axis.data_low), self.axis.data_high)
+        self.set_markers((*self.markers[:index], value, *self.markers[index + 1 :]), self.marker_colors)
+        self.marker_moved.emit(index, value)
 
     # ------------------------------------------------------------------ edits
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QContextMenuEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QMenu
 
 from volviz.model.auto_transfer_2d import auto_regions
@@ -146,7 +146,7 @@ class GradientPlot(PlaneView):
             if (at - start).manhattanLength() < SLACK:
                 return
             self._begun = True
-            self.model.begin(self.tr("Move region") if grip == "move" else self.tr("Resize region"))
+            self.model.begin()
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and grip == "move":
             offset = at - start
             at = (
@@ -156,10 +156,19 @@ class GradientPlot(PlaneView):
             )
         value = self.value(at.x()) - self.value(start.x())
         gradient = self.gradient(at.y()) - self.gradient(start.y())
-        self._put(_dragged(region, grip, value, gradient), self.tr("Move region"))
+        label = self.tr("Move region") if grip == "move" else self.tr("Resize region")
+        self._put(_dragged(region, grip, value, gradient), label)
 
     def mouseReleaseEvent(self, _event: QMouseEvent) -> None:
         """The drag is over."""
+        self._finish()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """A plot that is not seen does not hear that the button is let go."""
+        self._finish()
+        super().hideEvent(event)
+
+    def _finish(self) -> None:
         if self._drag is not None:
             self._drag = None
             if self._begun:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
 
-from PySide6.QtCore import QObject, Qt, QTimer, Signal
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import QObject, Qt, Signal
 
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import drawn_function
@@ -21,12 +20,8 @@ from volviz.model.volume import Volume
 from volviz_ui.documents import Documents
 from volviz_ui.views.camera_moves import light_moved, light_turned
 from volviz_ui.views.pacer import Pacer
-from volviz_ui.views.viewport import Viewport
+from volviz_ui.views.viewport import Viewport, same_view
 
-BUTTON_POLL_MS = 40
-"""How often it is asked whether a drag in a panel is over."""
-
-HANDLE_GESTURE = "handle"
 AddVolume = Callable[..., Any]
 
 
@@ -52,9 +47,6 @@ class Display(QObject):
     failed = Signal(object)
     recovered = Signal()
     status_changed = Signal(object)
-    drag_noticed = Signal()
-    """A change came while a mouse button was down: a drag in some panel."""
-    drag_ended = Signal()
     _status_arrived = Signal(object)
 
     def __init__(
@@ -78,47 +70,35 @@ class Display(QObject):
         self._shows_handles = True
         self._last_error: BaseException | None = None
         self.handle: Any = None
-        self.pacer = Pacer(self)
+        self.pacer = Pacer(store, self)
         self.pacer.completed.connect(viewport.render)
+        self.pacer.frame_wanted.connect(viewport.render)
         self.pacer.failed.connect(self._on_failed)
-        self._gestures = 0
-        self._button_watch = QTimer(self)
-        self._button_watch.setInterval(BUTTON_POLL_MS)
-        self._button_watch.timeout.connect(self._on_button_watch)
         # the host tells its status while it draws; what listens must not run inside the drawing
         self._status_arrived.connect(self.status_changed, Qt.ConnectionType.QueuedConnection)
         viewport.camera_committed.connect(self._on_camera_committed)
         viewport.light_dragged.connect(self._on_light_dragged)
         viewport.light_wheeled.connect(self._on_light_wheeled)
         viewport.handle_dragged.connect(self._on_handle_dragged)
-        viewport.handle_drag_cancelled.connect(lambda: store.cancel_gesture(HANDLE_GESTURE))
         viewport.frame_drawn.connect(self._on_frame_drawn)
 
     # ------------------------------------------------------------------ gestures
 
-    def begin_gesture(self) -> None:
-        """Something is being dragged: draw fast, complete nothing."""
-        self._gestures += 1
-        if self._gestures == 1:
-            self.pacer.hold()
-            if self.handle is not None:
+    def show_interaction(self, running: bool) -> None:
+        """Something is being dragged: draw fast, complete nothing. Or it is over."""
+        if self.handle is not None:
+            if running:
                 self.handle.begin_interaction()
-
-    def end_gesture(self) -> None:
-        """It is over."""
-        if self._gestures == 0:
-            return
-        self._gestures -= 1
-        if self._gestures == 0:
-            if self.handle is not None:
+            else:
                 self.handle.end_interaction()
-            self.pacer.release()
+        if not running:
+            self.pacer.go_on()
             self._viewport.render()
 
     @property
-    def in_gesture(self) -> bool:
+    def is_interacting(self) -> bool:
         """Whether something is being dragged."""
-        return self._gestures > 0
+        return self._store.is_interacting
 
     def show_picture(self) -> None:
         """Bring the picture at hand to the screen."""
@@ -142,24 +122,6 @@ class Display(QObject):
         self._share = share
         if self.handle is not None:
             self.handle.share = share
-
-    @property
-    def watches_button(self) -> bool:
-        """Whether it waits for the end of a drag in some panel."""
-        return self._button_watch.isActive()
-
-    def _on_button_watch(self) -> None:
-        if QApplication.mouseButtons() == Qt.MouseButton.NoButton:
-            self._button_watch.stop()
-            self.drag_ended.emit()
-
-    def _note_possible_drag(self) -> None:
-        """A change while a mouse button is down is part of a drag, in whichever panel it happens."""
-        if self._button_watch.isActive() or self._viewport.is_moving:
-            return
-        if QApplication.mouseButtons() != Qt.MouseButton.NoButton:
-            self._button_watch.start()
-            self.drag_noticed.emit()
 
     # ------------------------------------------------------------------ quality, status
 
@@ -203,7 +165,7 @@ class Display(QObject):
             return False
         # what follows the full picture at rest only makes it smoother
         busy = self.pacer.is_busy and not self.handle.is_accumulating
-        waits = self._viewport.awaits_frame or busy or self._gestures > 0
+        waits = self._viewport.awaits_frame or busy or self.is_interacting
         return bool(self.handle.status.complete) and not waits
 
     def opaque_depth(self, column: int, row: int) -> float | None:
@@ -233,6 +195,8 @@ class Display(QObject):
             self.handle = self._add_volume(self._viewport, volume, pacer=self.pacer, **values)
             self.handle.update(quality=self._quality)
             self.handle.share = self._share
+            if self.is_interacting:
+                self.handle.begin_interaction()
             self.handle.on_status.append(self._status_arrived.emit)
             self._show_handles()
         else:
@@ -281,7 +245,6 @@ class Display(QObject):
         elif camera is None and self._documents.volume is not None:
             self._frame_scene(self._documents.volume, new)
         if changes:
-            self._note_possible_drag()
             self._apply(lambda: self.handle.update(**changes))
 
     def _apply(self, change: Callable[[], Any]) -> None:
@@ -302,23 +265,29 @@ class Display(QObject):
         self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
 
     def _on_camera_committed(self, camera: Camera) -> None:
-        if self._documents.volume is not None:
+        known = self._store.scene.view_at(self._view).camera
+        # what VTK says of a camera that has not moved may differ in the last digit
+        if self._documents.volume is not None and not (known is not None and same_view(known, camera)):
             self._commit(camera)
-        self._store.end_gesture()
 
     def _on_light_dragged(self, dx: float, dy: float) -> None:
         volume = self._documents.volume
         if volume is None:
             return
         camera, size = self._viewport.view_camera, (self._viewport.width(), self._viewport.height())
-        self._move_light(lambda position: light_turned(position, volume.center, camera, dx, dy, size))
+        self._move_light(
+            lambda position: light_turned(position, volume.center, camera, dx, dy, size),
+            self._viewport.drag_key,
+        )
 
     def _on_light_wheeled(self, factor: float) -> None:
         volume = self._documents.volume
         if volume is None:
             return
         radius = 0.5 * sum(length**2 for length in volume.extent) ** 0.5
-        self._move_light(lambda position: light_moved(position, volume.center, factor, radius))
+        self._move_light(
+            lambda position: light_moved(position, volume.center, factor, radius), self._viewport.wheel_key
+        )
 
     def _on_handle_dragged(self, values: dict[str, Any]) -> None:
         scene = self._store.scene
@@ -327,7 +296,7 @@ class Display(QObject):
             self._store.update(
                 lambda scene: replace(scene, light=light),
                 label=self.tr("Move the light"),
-                gesture=HANDLE_GESTURE,
+                gesture=self._viewport.drag_key,
             )
             return
         info = current_technique(scene, self._view)
@@ -336,10 +305,10 @@ class Display(QObject):
             self._store.update(
                 lambda scene: scene.with_view(self._view, settings=view.settings),
                 label=self.tr("Move the cut plane"),
-                gesture=HANDLE_GESTURE,
+                gesture=self._viewport.drag_key,
             )
 
-    def _move_light(self, move: Callable[[Any], Any]) -> None:
+    def _move_light(self, move: Callable[[Any], Any], gesture: Hashable) -> None:
         volume = self._documents.volume
         light = self._store.scene.light
         if volume is None:
@@ -347,7 +316,7 @@ class Display(QObject):
         position = light.position if light.position is not None else default_position(volume.bounds)
         moved = replace(light, headlight=False, position=move(position))
         self._store.update(
-            lambda scene: replace(scene, light=moved), label=self.tr("Move the light"), gesture="light"
+            lambda scene: replace(scene, light=moved), label=self.tr("Move the light"), gesture=gesture
         )
 
     # ------------------------------------------------------------------ errors, end
@@ -373,7 +342,6 @@ class Display(QObject):
 
     def close(self) -> None:
         """Release everything on the GPU while the context still lives."""
-        self._button_watch.stop()
         window = self._viewport.render_window
         if window is not None and self.handle is not None:
             window.MakeCurrent()

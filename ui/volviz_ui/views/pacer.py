@@ -6,8 +6,13 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from volviz.model.store import Store
+from volviz_ui.gui_thread import Delivery
+
 BUDGET_SECONDS = 0.03
 """Time of one turn; the window answers in between."""
+WAITING_MS = 100
+"""While the picture waits for work in the background, it is asked this often how far that is."""
 
 
 class Pacer(QObject):
@@ -16,32 +21,52 @@ class Pacer(QObject):
     completed = Signal()
     """The complete picture is ready to be shown."""
     failed = Signal(object)
+    frame_wanted = Signal()
+    """There is more to be seen during a gesture."""
 
-    def __init__(self, parent: QObject | None = None) -> None:
+    def __init__(self, store: Store, parent: QObject | None = None) -> None:
         super().__init__(parent)
+        self._store = store
         self._handle: Any = None
-        self._held = False
+        self._paused = False
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
-        self._timer.setInterval(0)
         self._timer.timeout.connect(self._turn)
+        self._deliver_wake = Delivery(self._on_woken)
 
     def request(self, handle: Any) -> None:
         """Called by the host while it draws an incomplete picture."""
         self._handle = handle
-        if not self._held:
-            self._timer.start()
+        self.go_on()
 
-    def hold(self) -> None:
-        """A gesture has begun."""
-        self._held = True
+    def wake(self, _handle: Any) -> None:
+        """Called by the host, on any thread, when something is ready for which the picture has waited."""
+        self._deliver_wake()
+
+    def _on_woken(self) -> None:
+        if self._store.is_interacting:
+            self.frame_wanted.emit()
+        else:
+            self.go_on()
+
+    def pause(self) -> None:
+        """Somebody else completes the picture, until `resume`: frame times are being measured."""
+        self._paused = True
         self._timer.stop()
 
-    def release(self) -> None:
-        """The gesture is over."""
-        self._held = False
-        if self._handle is not None:
-            self._timer.start()
+    def resume(self) -> None:
+        """Nobody else does any more."""
+        self._paused = False
+        self.go_on()
+
+    def go_on(self) -> None:
+        """Take up what was left when a gesture began."""
+        if self._may_draw:
+            self._timer.start(0)
+
+    @property
+    def _may_draw(self) -> bool:
+        return self._handle is not None and not self._paused and not self._store.is_interacting
 
     @property
     def is_busy(self) -> bool:
@@ -54,7 +79,7 @@ class Pacer(QObject):
         self._handle = None
 
     def _turn(self) -> None:
-        if self._handle is None or self._held:
+        if not self._may_draw:
             return
         try:
             done = self._handle.refine(budget=BUDGET_SECONDS)
@@ -66,4 +91,4 @@ class Pacer(QObject):
             self._handle = None
             self.completed.emit()
         elif not self._timer.isActive():
-            self._timer.start()
+            self._timer.start(WAITING_MS if self._handle.is_waiting else 0)

@@ -58,7 +58,7 @@ class Pane(QObject):
         self.view = view
         self.frame = ViewFrame(parent)
         self.header = ViewHeader(store, view, parent)
-        self.viewport = Viewport(self.frame)
+        self.viewport = Viewport(store, view, self.frame)
         self.scenery = Scenery(self.viewport)
         self.ray_mark = RayMark(self.viewport)
         self.display = Display(store, documents, self.viewport, add_volume, self, view=view)
@@ -86,13 +86,9 @@ class Pane(QObject):
         self.frame.set_active(active)
         self.header.set_active(active)
 
-    @property
-    def open_gestures(self) -> int:
-        """How many drags have begun in this view and not ended."""
-        return int(self.viewport.is_moving) + int(self.display.watches_button)
-
     def close(self) -> None:
         """Release the GPU while the context lives, then the widgets."""
+        self.viewport.end_moves()
         self.display.close()
         self.viewport.unlink_camera()
         self.viewport.close()

@@ -82,6 +82,7 @@ class ViewArea(QWidget):
         self._add_pane()
         documents.volume_changed.connect(self._on_volume_changed)
         store.changed.connect(self._on_scene_changed)
+        store.interaction_changed.connect(self._on_interaction_changed)
         self._sync(store.scene)
 
     # ------------------------------------------------------------------ what there is
@@ -119,8 +120,6 @@ class ViewArea(QWidget):
         pane.scenery.set_background(self._store.scene.background)
         pane.scenery.set_volume(self._volume, self._function)
         pane.ray_mark.show(self._ray_mark)
-        viewport.gesture_started.connect(self.begin_gesture)
-        viewport.gesture_finished.connect(self.end_gesture)
         viewport.camera_moved.connect(self._on_camera_moved)
         viewport.pressed.connect(lambda: self._on_pressed(pane))
         viewport.pointer_moved.connect(lambda position: self.pointer_moved.emit(pane.view, position))
@@ -133,8 +132,6 @@ class ViewArea(QWidget):
         viewport.function_drag_ended.connect(self.function_drag_ended)
         display.failed.connect(self.failed)
         display.recovered.connect(self.recovered)
-        display.drag_noticed.connect(self.begin_gesture)
-        display.drag_ended.connect(self.end_gesture)
         display.status_changed.connect(lambda status: self.status_changed.emit(pane.view, status))
         pane.header.activated.connect(lambda: self.activate(pane.view))
         pane.header.closed.connect(lambda: self.close_view(pane.view))
@@ -147,11 +144,9 @@ class ViewArea(QWidget):
         count = len(scene.views)
         while len(self.panes) > count:
             pane = self.panes.pop()
-            # a drag that ends with its view must not leave others waiting for its end, nor the scene without its camera
+            # a drag that ends with its view must not leave the scene without its camera
             if pane.viewport.is_moving:
                 QTimer.singleShot(0, self, partial(self._commit_camera, pane.viewport.view_camera))
-            for _ in range(pane.open_gestures):
-                self.end_gesture()
             pane.remove()
         new = [self._add_pane() for _ in range(count - len(self.panes))]
         self.place()
@@ -164,7 +159,6 @@ class ViewArea(QWidget):
     def _commit_camera(self, camera: Camera) -> None:
         if not self._closed and self._documents.is_ready_for(self._store.scene):
             self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
-            self._store.end_gesture()
 
     # ------------------------------------------------------------------ where it lies
 
@@ -254,15 +248,10 @@ class ViewArea(QWidget):
 
     # ------------------------------------------------------------------ gestures
 
-    def begin_gesture(self) -> None:
-        """Something is being dragged: all pictures follow it together."""
+    def _on_interaction_changed(self, running: bool) -> None:
+        # all pictures follow together, whatever is being dragged
         for pane in self.panes:
-            pane.display.begin_gesture()
-
-    def end_gesture(self) -> None:
-        """It is over."""
-        for pane in self.panes:
-            pane.display.end_gesture()
+            pane.display.show_interaction(running)
 
     def _on_camera_moved(self) -> None:
         # the hidden one of a blinking pair is drawn when it is shown, or when the drag is over
@@ -367,6 +356,7 @@ class ViewArea(QWidget):
             return
         self._closed = True
         self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._store.interaction_changed.disconnect(self._on_interaction_changed, missing_ok=True)
         self._rest.stop()
         self.arrangement.close()
         for pane in reversed(self.panes):

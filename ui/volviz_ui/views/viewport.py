@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
 
 from volviz.model.camera import Camera
+from volviz.model.store import Store
 from volviz_ui.views.camera_moves import WHEEL_STEP, panned, rotated, zoomed
 
 if TYPE_CHECKING:
@@ -37,10 +38,15 @@ class Viewport(QtInteractor):
 
     VTK's interactor gets no event at all: neither its styles nor PyVista's keys can interfere. The camera
     belongs to VTK; `camera_committed` is emitted once when a move is over.
+
+    Parameters
+    ----------
+    store : Store
+        Is told of drags and turns of the wheel, by the keys `drag_key` and `wheel_key`.
+    view : int
+        Number of the view, part of these keys.
     """
 
-    gesture_started = Signal()
-    gesture_finished = Signal()
     camera_committed = Signal(object)
     camera_moved = Signal()
     """The mouse has moved the camera; nothing is committed yet."""
@@ -50,7 +56,6 @@ class Viewport(QtInteractor):
     """Pixels right and down since the last time."""
     handle_dragged = Signal(object)
     """What has become of light or settings, by name."""
-    handle_drag_cancelled = Signal()
     light_wheeled = Signal(float)
     """Factor by which the light comes nearer."""
     function_drag_started = Signal()
@@ -70,7 +75,7 @@ class Viewport(QtInteractor):
     # PyVista asks for pictures while it is being made
     _covered = False
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, store: Store, view: int, parent: QWidget | None = None) -> None:
         super().__init__(parent, auto_update=False, multi_samples=0)
         self.setAcceptDrops(False)  # the window takes dropped files, wherever they fall
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -85,12 +90,12 @@ class Viewport(QtInteractor):
         self._drag: Drag | None = None
         self._last = QPointF()
         self._start = QPointF()
-        self._moving = False
-        self._wheel_angle = 0.0
+        self._store = store
+        self.drag_key, self.wheel_key = ("drag", view), ("wheel", view)
         self._wheel_rest = QTimer(self)
         self._wheel_rest.setSingleShot(True)
         self._wheel_rest.setInterval(WHEEL_REST_MS)
-        self._wheel_rest.timeout.connect(self._end_move)
+        self._wheel_rest.timeout.connect(self._end_wheel)
         self._unseen = QTimer(self)
         self._unseen.setSingleShot(True)
         self._unseen.setInterval(0)
@@ -203,7 +208,7 @@ class Viewport(QtInteractor):
     @property
     def is_moving(self) -> bool:
         """Whether a drag or a turn of the wheel is under way."""
-        return self._moving
+        return self._store.has_gesture(self.drag_key) or self._store.has_gesture(self.wheel_key)
 
     # ------------------------------------------------------------------ mouse
 
@@ -214,6 +219,8 @@ class Viewport(QtInteractor):
         if self._drag is None:
             self._drag = self._meaning(event)
             self._last = self._start = event.position()
+            if self._drag is Drag.HANDLE:
+                self._show_grip()
         event.accept()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
@@ -232,10 +239,10 @@ class Viewport(QtInteractor):
             self.pointer_moved.emit(event.position())
             return
         step = event.position() - self._last
-        if not self._moving and step.manhattanLength() < QApplication.startDragDistance() / 3:
+        if not self._is_dragging and step.manhattanLength() < QApplication.startDragDistance() / 3:
             return
         self._last = event.position()
-        self._begin_move()
+        self._begin_drag()
         dx, dy, size = step.x(), step.y(), (self.width(), self.height())
         if self._drag is Drag.ROTATE:
             self._move_camera(rotated(self.view_camera, dx, dy, size))
@@ -255,7 +262,7 @@ class Viewport(QtInteractor):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The drag is over when the last button is up."""
         if event.buttons() == Qt.MouseButton.NoButton:
-            is_click = self._drag is Drag.ROTATE and not self._moving
+            is_click = self._drag is Drag.ROTATE and not self.is_moving
             self._end_drag(cancelled=False)
             if is_click:
                 self.clicked.emit(event.position())
@@ -265,8 +272,7 @@ class Viewport(QtInteractor):
         """Zoom; with Ctrl the light comes nearer or goes away."""
         notches = event.angleDelta().y() / 120
         if notches:
-            self._begin_move()
-            self._wheel_rest.start()
+            self._begin_wheel()
             if event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
                 self.light_wheeled.emit(WHEEL_STEP**notches)
             else:
@@ -279,8 +285,7 @@ class Viewport(QtInteractor):
             isinstance(event, QNativeGestureEvent)
             and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture
         ):
-            self._begin_move()
-            self._wheel_rest.start()
+            self._begin_wheel()
             self._move_camera(zoomed(self.view_camera, 1 + event.value()))
             return True
         return super().event(event)
@@ -330,7 +335,7 @@ class Viewport(QtInteractor):
         if under is None:
             self.unsetCursor()
         else:
-            held = self._drag is not None or QApplication.mouseButtons() != Qt.MouseButton.NoButton
+            held = self._drag is not None
             self.setCursor(Qt.CursorShape.ClosedHandCursor if held else Qt.CursorShape.OpenHandCursor)
         self.render()
 
@@ -354,35 +359,47 @@ class Viewport(QtInteractor):
             return Drag.FUNCTION
         plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
         if plain and self.handles is not None and self.handles.grab(*self._pixel(event.position())):
-            self._show_grip()
             return Drag.HANDLE
         return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.ROTATE
 
-    def _begin_move(self) -> None:
-        if not self._moving:
-            self._moving = True
-            self.gesture_started.emit()
+    @property
+    def _is_dragging(self) -> bool:
+        return self._store.has_gesture(self.drag_key)
+
+    def _begin_drag(self) -> None:
+        if not self._is_dragging:
+            self._store.begin_gesture(self.drag_key)
             if self._drag is Drag.FUNCTION:
                 self.function_drag_started.emit()
 
     def _end_drag(self, *, cancelled: bool) -> None:
         drag, self._drag = self._drag, None
+        moved = self._is_dragging
+        if drag is Drag.FUNCTION and moved:
+            self.function_drag_ended.emit(cancelled)
+        if cancelled:
+            self._store.cancel_gesture(self.drag_key)
+        self._store.end_gesture(self.drag_key)
         if drag is Drag.HANDLE:
-            if cancelled and self._moving:
-                self.handle_drag_cancelled.emit()
             if self.handles is not None:
                 self.handles.release()
             self._show_grip()
-        if drag is Drag.FUNCTION and self._moving:
-            self.function_drag_ended.emit(cancelled)
-        self._end_move()
-
-    def _end_move(self) -> None:
-        if self._moving and self._drag is None:
-            self._wheel_rest.stop()
-            self._moving = False
-            self.gesture_finished.emit()
+        if moved:
             self.camera_committed.emit(self.view_camera)
+
+    def _begin_wheel(self) -> None:
+        self._store.begin_gesture(self.wheel_key)
+        self._wheel_rest.start()
+
+    def _end_wheel(self) -> None:
+        self._store.end_gesture(self.wheel_key)
+        self.camera_committed.emit(self.view_camera)
+
+    def end_moves(self) -> None:
+        """What is being dragged here ends, and no camera is committed: the viewport is about to close."""
+        self._wheel_rest.stop()
+        self._store.end_gesture(self.drag_key)
+        self._store.end_gesture(self.wheel_key)
 
 
 def same_view(a: Camera, b: Camera) -> bool:

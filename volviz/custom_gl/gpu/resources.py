@@ -13,10 +13,12 @@ import numpy.typing as npt
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.scalars import (
     BRICK,
+    Bricks,
     Texels,
     bricks_of,
     choose_format,
-    gradient_bricks_if_ready,
+    gradient_bricks_of,
+    known_gradient_bricks,
     levels_of,
     texels_of,
 )
@@ -32,6 +34,7 @@ from volviz.kernels.bricks import (
 )
 from volviz.model.transfer_function import TransferFunction, table_size
 from volviz.model.volume import Volume
+from volviz.tasks import LatestResult
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -39,6 +42,8 @@ if TYPE_CHECKING:
 
 #: Bytes uploaded at once, so that the GUI thread is never held up for long.
 SLAB_BYTES = 4 * 2**20
+#: Volumes of at most so many voxels have the gradients of their bricks bounded on the calling thread: 20 ms.
+SMALL_VOXELS = 2**20
 PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
 
@@ -64,6 +69,7 @@ class VolumeResources:
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
         self._last_table: tuple[Any, Table] | None = None
+        self._gradients: LatestResult[Volume, Bricks] = LatestResult("gradients", cancels=False)
 
     # ------------------------------------------------------------------ scalars
 
@@ -229,7 +235,7 @@ class VolumeResources:
         function = frame.transfer_function
         if function.by_gradient is None:
             return function, frame.common.density_threshold
-        known = gradient_bricks_if_ready(self.volume) is not None
+        known = self._gradient_bricks(frame) is not None
         return (
             function,
             frame.common.density_threshold,
@@ -250,7 +256,7 @@ class VolumeResources:
         bricks = bricks_of(self.volume)
         if table.gradients is None:
             return occupancy(bricks.low, bricks.high, visible_prefix(opacity[0]), table.values)
-        gradients = gradient_bricks_if_ready(self.volume)
+        gradients = self._gradient_bricks(frame)
         bounds = None if gradients is None else (gradients.low, gradients.high)
         reach = _bricks_of_differences(frame)
         if bounds is not None and reach:
@@ -261,6 +267,18 @@ class VolumeResources:
         return occupancy_by_gradient(
             (bricks.low, bricks.high), bounds, visible_plane_sums(opacity), table.values, table.gradients
         )
+
+    def _gradient_bricks(self, frame: Frame) -> Bricks | None:
+        """Bounds of the gradients; None for a large volume until a task has found them."""
+        volume = self.volume
+        known = known_gradient_bricks(volume)
+        if known is None and volume.array.size <= SMALL_VOXELS:
+            known = gradient_bricks_of(volume)
+        if known is None:
+            known = self._gradients.get(
+                frame.tasks, volume, lambda _progress, _cancel: gradient_bricks_of(volume)
+            )
+        return known
 
     def isovalue_distance(self, isovalues: Sequence[float]) -> Any:
         """Empty-space field for surfaces of these isovalues (data units)."""

@@ -8,9 +8,7 @@ filter them to 8 bits, which ruins gradients and isosurfaces.
 from __future__ import annotations
 
 import weakref
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache
 from threading import Lock
 from typing import Any, Literal
 
@@ -75,16 +73,14 @@ _lock = Lock()
 _levels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], tuple[Texels, ...]]] = (
     weakref.WeakKeyDictionary()
 )
-_jobs: weakref.WeakKeyDictionary[Volume, Future[None]] = weakref.WeakKeyDictionary()
 _bricks: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
 _texels: weakref.WeakKeyDictionary[Volume, dict[tuple[Format, int, int], Texels]] = (
     weakref.WeakKeyDictionary()
 )
 _gradients: weakref.WeakKeyDictionary[Volume, Bricks] = weakref.WeakKeyDictionary()
-_gradient_jobs: weakref.WeakKeyDictionary[Volume, Future[Bricks]] = weakref.WeakKeyDictionary()
 
-#: Volumes of at most so many voxels have the gradients of their bricks bounded on the calling thread: 20 ms.
-SMALL_VOXELS = 2**20
+#: One volume is prepared at a time: the kernels take all processors, and several windows may ask for the same one.
+_preparing = Lock()
 
 
 def bricks_of(volume: Volume) -> Bricks:
@@ -106,8 +102,7 @@ def bricks_of(volume: Volume) -> Bricks:
 def gradient_bricks_of(volume: Volume) -> Bricks:
     """Bounds of the gradient magnitude in every brick, data units per world unit; made once.
 
-    They hold for central differences over at most a voxel to either side. Half a second for 512^3 voxels:
-    use `gradient_bricks_if_ready` where nothing may wait.
+    They hold for central differences over at most a voxel to either side. Half a second for 512^3 voxels.
     """
     with _lock:
         known = _gradients.get(volume)
@@ -126,25 +121,10 @@ def gradient_bricks_of(volume: Volume) -> Bricks:
     return known
 
 
-def gradient_bricks_if_ready(volume: Volume) -> Bricks | None:
-    """`gradient_bricks_of` when that is known or quickly found; otherwise None, and a thread begins with it.
-
-    Raises
-    ------
-    Exception
-        Whatever went wrong on that thread.
-    """
+def known_gradient_bricks(volume: Volume) -> Bricks | None:
+    """`gradient_bricks_of` where that has been asked for before."""
     with _lock:
-        known = _gradients.get(volume)
-        job = _gradient_jobs.get(volume)
-        if known is None and job is None and volume.array.size > SMALL_VOXELS:
-            _gradient_jobs[volume] = _preparer().submit(gradient_bricks_of, volume)
-            return None
-    if known is not None:
-        return known
-    if job is None:
-        return gradient_bricks_of(volume)
-    return job.result() if job.done() else None
+        return _gradients.get(volume)
 
 
 def choose_format(dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool) -> Format:
@@ -232,37 +212,17 @@ def levels_of(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> tu
 
 
 def is_prepared(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> bool:
-    """Whether bricks and all levels of a volume are made; if not, they are begun on a thread of their own.
+    """Whether bricks and all levels of a volume are made."""
+    with _lock:
+        return (kind, max_edge, max_bytes) in _levels.get(volume, {}) and volume in _bricks
 
-    Raises
-    ------
-    Exception
-        Whatever went wrong on that thread.
-    """
-    key = (kind, max_edge, max_bytes)
-    with _lock:
-        if key in _levels.get(volume, {}) and volume in _bricks:
-            return True
-        job = _jobs.get(volume)
-        if job is None:
-            job = _jobs[volume] = _preparer().submit(_prepare, volume, key)
-    if not job.done():
-        return False
-    with _lock:
-        _jobs.pop(volume, None)
-    job.result()
+
+def prepare(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> bool:
+    """Make bricks and all levels of a volume, for a thread that nobody waits for; returns True."""
+    with _preparing:
+        bricks_of(volume)
+        levels_of(volume, kind, max_edge, max_bytes)
     return True
-
-
-def _prepare(volume: Volume, key: tuple[Format, int, int]) -> None:
-    bricks_of(volume)
-    levels_of(volume, *key)
-
-
-@cache
-def _preparer() -> ThreadPoolExecutor:
-    # not the kernels' own pool: the work waits for tasks in that one
-    return ThreadPoolExecutor(1, thread_name_prefix="volviz-shared-kernel-texels")
 
 
 def reduction(shape: tuple[int, ...], kind: Format, max_edge: int, max_bytes: int) -> tuple[int, int, int]:

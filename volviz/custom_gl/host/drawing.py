@@ -26,6 +26,7 @@ from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
 from volviz.errors import RenderError
+from volviz.tasks import BackgroundTask
 
 #: A turn of an event loop may be held up so long by a full picture.
 TURN_SECONDS = 0.03
@@ -93,11 +94,12 @@ class Drawing:
         self.pacer = pacer
         self._shown = shown
         self._revision = 0
-        self._runner = TechniqueRunner(window, renderer.GetActiveCamera)
+        self._runner = TechniqueRunner(window, renderer.GetActiveCamera, self._on_task)
         self._picture: Picture | None = None
         self._refinement: Refinement | None = None
         self._accumulation = Accumulation(id(self))
         self._interacting = 0
+        self._waits = self._has_news = False
         self._cost = CostModel()
         self._depth = SceneDepth()
         self._targets = KeptTargets(id(self))
@@ -105,7 +107,7 @@ class Drawing:
         # first of what the window must give back, since it may refuse
         self._hook = Hook(renderer, self._on_hook)
         self._gpu: WindowGpu = acquire(window)
-        self._textures = ShownTextures(self._gpu)
+        self._textures = ShownTextures(self._gpu, self._on_task)
         self._hook.set_corners(shown.box_corners)
         _DRAWINGS.append(self)
 
@@ -126,9 +128,27 @@ class Drawing:
         return " ".join(word for word in words if word)
 
     @property
-    def waiting(self) -> float:
-        """How far the technique's worker is with what the next picture needs, 0..1."""
-        return float(self._runner.says("progress", 0.0))
+    def is_waiting(self) -> bool:
+        """Whether nothing more can be drawn before a task in the background has ended; then the pacer is woken."""
+        return self._waits
+
+    def wait(self, timeout: float | None = None) -> None:
+        """Wait for what the next picture needs: for scripts, never in a turn of an event loop.
+
+        Parameters
+        ----------
+        timeout : float, optional
+            Seconds after which to give up.
+        """
+        if self._textures.tasks.wait(timeout):
+            self._runner.tasks.wait(timeout)
+
+    def _on_task(self, task: BackgroundTask[Any]) -> None:
+        """A task has ended, on whose thread this is called: there may be more to draw."""
+        if not task.is_cancelled:
+            self._waits, self._has_news = False, True
+            if self.pacer is not None:
+                self.pacer.wake(self)
 
     def _show_instead(self, shown: ResolvedSpec) -> None:
         """Draw this from now on."""
@@ -187,9 +207,7 @@ class Drawing:
 
     def _refine(self, budget: float) -> bool:
         begin = time.perf_counter()
-        if not self._textures.can_be_made(self._shown):
-            # let the thread that prepares the volume have the interpreter
-            time.sleep(min(budget, 0.004))
+        if not self._can_make_textures():
             return False
         if not self._textures.are_made(self._shown):
             # making the texture takes as long as a turn may
@@ -202,9 +220,8 @@ class Drawing:
             return self._refine_further(key, self._picture.target, budget)
         if self._refinement is None or self._refinement.key != key:
             frame = self._frame(FULL, self._tile(budget))
-            chunks = self._runner.plan(self._shown.info, frame)
+            chunks = self._plan(frame)
             if not chunks:
-                self._report_waiting()
                 return False
             # not before: while the technique waits, the target may still hold the picture that is shown
             self._refinement = Refinement(key, frame, chunks, on_gpu_clock=self.on_gpu_clock)
@@ -262,6 +279,26 @@ class Drawing:
         """Into how many chunks the technique divides a frame."""
         return self._runner.plan(self._shown.info, frame)
 
+    def _plan(self, frame: Frame) -> int:
+        """The same for the first picture; 0 while it waits, which is reported."""
+        # before the technique is asked: a task may end between its answer and ours
+        self._waits = True
+        chunks = self._runner.plan(self._shown.info, frame)
+        if chunks:
+            self._waits = False
+        else:
+            self._report_waiting(self._runner.tasks.progress)
+        return chunks
+
+    def _can_make_textures(self) -> bool:
+        """Whether the scalars are prepared, or nobody must be kept waiting; otherwise that is reported."""
+        self._waits = True
+        if self.pacer is None or self._textures.can_be_made(self._shown):
+            self._waits = False
+            return True
+        self._report_waiting(None)
+        return False
+
     def draw_chunk(self, frame: Frame, chunk: int) -> None:
         """Let the technique draw one of them."""
         self._runner.draw(self._shown.info, frame, chunk)
@@ -287,7 +324,8 @@ class Drawing:
 
     def _draw_what_is_due(self) -> None:
         """Make sure that there is a picture of the present state, at the resolution that time allows."""
-        if self.pacer is not None and not self._textures.can_be_made(self._shown):
+        has_news, self._has_news = self._has_news, False
+        if self.pacer is not None and not self._can_make_textures():
             self._picture = None
             self.pacer.request(self)
             return
@@ -298,7 +336,8 @@ class Drawing:
             self.pacer.request(self)
             return
         key = self._key()
-        if self._picture is not None and self._picture.key == key:
+        has_news = has_news and self._interacting > 0
+        if self._picture is not None and self._picture.key == key and not has_news:
             waits = self._picture.level != FULL or self._more_pictures(key)
             if waits and self.pacer is not None and not self._interacting:
                 self.pacer.request(self)
@@ -322,13 +361,13 @@ class Drawing:
         begin = time.perf_counter()
         drawn = self._worthwhile(level)
         frame = self._frame(drawn, tile=AT_ONCE_TILE)
-        chunks = self._runner.plan(self._shown.info, frame)
-        while not chunks and self.pacer is None:
-            chunks = self._runner.plan(self._shown.info, frame)
-        if not chunks and self.pacer is not None:
-            self._report_waiting()
-            self.pacer.request(self)
-            return
+        chunks = self._plan(frame)
+        while not chunks:
+            if self.pacer is not None:
+                self.pacer.request(self)
+                return
+            self._runner.tasks.wait()
+            chunks = self._plan(frame)
         frame.target.clear()
         gpu = self._gpu.gpu
         for chunk in range(chunks):
@@ -354,7 +393,7 @@ class Drawing:
         return replace(level, fraction=max(level.fraction, least))
 
     def _show(self, framebuffer: Any) -> None:
-        # a technique that waits for a worker may have asked for a target of another size: the old one is gone
+        # a technique that waits for a task may have asked for a target of another size: the old one is gone
         if self._picture is None or self._picture.target.released:
             return
         width, height, x, y = self.view.rectangle()
@@ -424,15 +463,16 @@ class Drawing:
             scene_depth=self._depth.texture,
             level=level,
             tile=tile,
+            tasks=self._runner.tasks,
             sequence=sequence,
         )
 
     # ------------------------------------------------------------------ what is told
 
-    def _report_waiting(self) -> None:
-        """The technique waits for a worker: the last picture stays."""
+    def _report_waiting(self, waiting: float | None) -> None:
+        """A task must end first: the last picture stays."""
         shown = self._picture.level.fraction if self._picture else 0.0
-        self._report(FrameStatus(shown, 0.0, False, 0.0, waiting=self.waiting))
+        self._report(FrameStatus(shown, 0.0, False, 0.0, waiting=waiting))
 
     def _fail(self, error: Exception) -> None:
         """Keep the error for whoever asked for the picture: VTK would print and swallow it."""
@@ -511,6 +551,8 @@ class Drawing:
             self._accumulation.release(self._gpu.gpu)
             self._targets.release(self._gpu.gpu)
             self._depth.release(self.window)
+        self._runner.tasks.close()
+        self._textures.close()
         self._hook.remove(last=not drawings_of(self.renderer))
         give_back(self._gpu, context_alive=context_lives)
         self.on_status.clear()

@@ -18,6 +18,7 @@ from volviz.custom_gl.host.pacing import FULL, Level
 from volviz.custom_gl.host.renderer_view import RendererView
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
+from volviz.tasks import Tasks
 
 
 def frame_size(view: RendererView, level: Level) -> tuple[int, int]:
@@ -36,6 +37,7 @@ def make_frame(
     scene_depth: Any,
     level: Level,
     tile: tuple[int, int],
+    tasks: Tasks,
     sequence: int = 0,
 ) -> Frame:
     """A frame, complete with tiles and uniforms; the target is not cleared.
@@ -58,6 +60,8 @@ def make_frame(
         Quality.
     tile : tuple of 2 ints
         Largest width and height of the tiles.
+    tasks : Tasks
+        Of the technique.
     sequence : int, default: 0
         Number of a picture that follows the full one.
     """
@@ -87,6 +91,7 @@ def make_frame(
         interactive=level != FULL,
         tiles=(),
         uniforms={},
+        tasks=tasks,
         filter_triangles=filter_triangles,
         read_triangles=read_triangles,
         surface_colors=shown.surface_colors,

@@ -63,7 +63,16 @@ class Pacer(Protocol):
     """What a window with an event loop gives the host, so that full pictures come piece by piece."""
 
     def request(self, handle: object) -> None:
-        """The picture now shown is not the full one: call ``handle.refine()`` soon, from the event loop."""
+        """The picture now shown is not the full one: call ``handle.refine()`` soon, from the event loop.
+
+        There is no hurry while ``handle.is_waiting``: `wake` tells when there is more to draw.
+        """
+
+    def wake(self, handle: object) -> None:
+        """Something that the picture waits for is ready; called on any thread.
+
+        From the event loop, draw the next frame during a gesture, and go on with ``handle.refine()`` otherwise.
+        """
 
 
 @dataclass(frozen=True)
@@ -83,7 +92,7 @@ class FrameStatus:
     notice : str
         A sentence on what the picture shows differently from what was asked for; empty when nothing.
     waiting : float or None
-        While the technique waits for a worker: how far that is, 0..1.
+        While the technique waits for a task in the background: how far that is, 0..1.
     samples : int
         Pictures of which the mean is shown; 1 until further ones have been drawn at rest.
     gpu_seconds : float or None

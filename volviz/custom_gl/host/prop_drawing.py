@@ -152,17 +152,12 @@ class PropDrawing:
         return self._technique.within_tiles
 
     @property
-    def progress(self) -> float:
-        """How far the worker is that the next picture waits for, 0..1."""
-        return float(getattr(self._technique, "progress", 0.0))
-
-    @property
     def notice(self) -> str:
         """What the picture shows differently from what was asked for."""
         return str(getattr(self._technique, "notice", ""))
 
     def plan(self, frame: Frame) -> int:
-        """One chunk per piece where the props can be cut, else one, and one for the copy; 0 while a worker prepares."""
+        """One chunk per piece where the props can be cut, else one, and one for the copy; 0 while they are prepared."""
         if not self._technique.prepare(frame):
             return 0
         self._stages[frame.interactive].prepare(frame)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
-from volviz.custom_gl.gpu.scalars import is_prepared
+from volviz.custom_gl.gpu.scalars import is_prepared, prepare
 from volviz.custom_gl.host.no_textures import NO_TEXTURES, NoTextures
 from volviz.custom_gl.host.window_gpu import WindowGpu
 from volviz.custom_gl.resolve import ResolvedSpec
+from volviz.tasks import Done, LatestResult, Tasks
 
 
 class ShownTextures:
@@ -18,10 +20,19 @@ class ShownTextures:
     ----------
     window_gpu : WindowGpu
         Where they are; all volumes of a window share it.
+    on_task : callable
+        Called when the scalars of a volume have been prepared, on another thread.
+
+    Attributes
+    ----------
+    tasks : Tasks
+        Where they are prepared.
     """
 
-    def __init__(self, window_gpu: WindowGpu) -> None:
+    def __init__(self, window_gpu: WindowGpu, on_task: Done) -> None:
         self._window_gpu = window_gpu
+        self.tasks = Tasks(on_task)
+        self._prepared: LatestResult[Any, bool] = LatestResult("scalars", cancels=False)
         self._held: VolumeResources | None = None
 
     def are_made(self, shown: ResolvedSpec) -> bool:
@@ -31,10 +42,16 @@ class ShownTextures:
         return self._held is not None and self._held.volume is shown.volume
 
     def can_be_made(self, shown: ResolvedSpec) -> bool:
-        """Whether they can be made without computing texels here first."""
-        return self.are_made(shown) or is_prepared(
-            shown.volume, *texel_limits(self._window_gpu.gpu, shown.volume)
+        """Whether they can be made without computing texels here first; if not, a task begins to compute them."""
+        if self.are_made(shown):
+            return True
+        volume, limits = shown.volume, texel_limits(self._window_gpu.gpu, shown.volume)
+        if is_prepared(volume, *limits):
+            return True
+        ready = self._prepared.get(
+            self.tasks, (volume, limits), lambda _progress, _cancel: prepare(volume, *limits)
         )
+        return ready is not None
 
     def of(self, shown: ResolvedSpec) -> VolumeResources | NoTextures:
         """The textures of what is shown, made if need be; those of another volume are given back."""
@@ -68,6 +85,11 @@ class ShownTextures:
             f"This volume is larger than the graphics memory or its largest texture allows: blocks of {blocks} "
             "voxels (x, y, z) are drawn as one; crop the file or raise VOLVIZ_TEXTURE_MB to see all of it."
         )
+
+    def close(self) -> None:
+        """Stop preparing; the context need not live."""
+        self.tasks.close()
+        self._prepared.clear()
 
     def release(self) -> None:
         """Give them back; the context is current."""

@@ -7,6 +7,7 @@ from typing import Any
 
 from volviz.custom_gl.host.prop_drawing import PropDrawing
 from volviz.custom_gl.technique import Frame, ImageTechnique, TechniqueInfo
+from volviz.tasks import Done, Tasks
 
 
 class TechniqueRunner:
@@ -16,10 +17,23 @@ class TechniqueRunner:
     ----------
     technique : ImageTechnique or None
         The present one; None before the first drawing and after `retire`.
+    tasks : Tasks
+        Its work in the background (`Frame.tasks`).
+
+    Parameters
+    ----------
+    window : vtkRenderWindow
+        Where it draws.
+    camera : callable
+        Gives the `vtkCamera` of the plotter's renderer.
+    on_task : callable
+        Called with each task of the technique that has ended, on its thread.
     """
 
-    def __init__(self, window: Any, camera: Callable[[], Any]) -> None:
+    def __init__(self, window: Any, camera: Callable[[], Any], on_task: Done) -> None:
         self.technique: ImageTechnique | None = None
+        self.tasks = Tasks(on_task)
+        self._on_task = on_task
         self._retired: list[ImageTechnique] = []
         self._window = window
         self._camera = camera
@@ -33,6 +47,8 @@ class TechniqueRunner:
         if self.technique is not None:
             self._retired.append(self.technique)
             self.technique = None
+            self.tasks.close()
+            self.tasks = Tasks(self._on_task)
 
     def ready(self, info: TechniqueInfo) -> ImageTechnique:
         """The technique of that description, made if need be; the context is current."""
@@ -45,7 +61,7 @@ class TechniqueRunner:
         return self.technique
 
     def plan(self, info: TechniqueInfo, frame: Frame) -> int:
-        """Into how many chunks the technique divides a frame; 0 = it waits for a worker."""
+        """Into how many chunks the technique divides a frame; 0 = it waits for a task."""
         clean(frame)
         return self.ready(info).plan(frame)
 
@@ -58,6 +74,7 @@ class TechniqueRunner:
     def release(self) -> None:
         """Release all GPU objects; the context is current."""
         self.retire()
+        self.tasks.close()
         self._release_retired()
 
     def _release_retired(self) -> None:

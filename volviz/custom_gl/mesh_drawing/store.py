@@ -1,9 +1,7 @@
-"""Meshes extracted and filtered in the background; the newest wish counts."""
+"""Meshes extracted and filtered for a picture, in voxel indices of their volume."""
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.errors import Cancelled
 from volviz.model.volume import Volume
+from volviz.tasks import Cancel, Progress
 
 Array = npt.NDArray[Any]
 #: ``filter_triangles`` of the host; see there.
@@ -100,139 +98,51 @@ class ReadyMesh:
         return len(self.faces)
 
 
-class _Job:
-    """One extraction on a thread of its own."""
-
-    def __init__(self, wish: MeshWish, refine: TriangleFilter | None) -> None:
-        self.wish = wish
-        self.progress = 0.0
-        self._refine = refine
-        self.mesh: ReadyMesh | None = None
-        self.error: Exception | None = None
-        self.cancelled = threading.Event()
-        # not a task of the shared pool: the extraction itself hands its pieces to that pool and waits for them
-        self.thread = threading.Thread(target=self._work, name="volviz-mesh", daemon=True)
-        self.thread.start()
-
-    def _work(self) -> None:
-        try:
-            self.mesh = self._made()
-        except Cancelled:
-            return
-        except Exception as error:  # noqa: BLE001 - raised again where the mesh is asked for
-            self.error = error
-
-    def _made(self) -> ReadyMesh:
-        # here, on a thread of its own: it imports numba
-        from volviz.kernels.marching import keep_components, marching_cubes
-
-        wish = self.wish
-        share = EXTRACTION_SHARE if wish.is_filtered else 1.0
-        vertices, faces, normals = marching_cubes(
-            wish.volume.finite_array,
-            wish.isovalue,
-            method=wish.method,
-            stride=wish.stride,
-            progress=lambda part: self._tell(share * part),
-            cancel=self.cancelled.is_set,
-        )
-        if wish.largest_part or wish.min_triangles:
-            vertices, faces, normals = keep_components(
-                vertices, faces, normals, largest_only=wish.largest_part, min_triangles=wish.min_triangles
-            )
-        if wish.is_filtered and len(faces) and self._refine is not None:
-            # lengths are those of the world; its origin would only cost digits
-            to_world = wish.volume.index_to_world[:3, :3]
-            moved, faces, shading = self._refine(
-                (vertices @ to_world.T).astype(np.float32),
-                faces,
-                smoothing=wish.smoothing,
-                decimation=wish.decimation,
-                progress=lambda part: self._tell(share + (1 - share) * part),
-                cancel=self.cancelled.is_set,
-            )
-            vertices = (moved @ np.linalg.inv(to_world).T).astype(np.float32)
-            # a mirrored lattice turns the triangles over, and with them their normals
-            sign = np.sign(np.linalg.det(to_world))
-            covectors = shading @ (sign * to_world)
-            lengths = np.linalg.norm(covectors, axis=1, keepdims=True)
-            normals = (covectors / np.where(lengths > 0, lengths, 1.0)).astype(np.float32)
-        if normals is None:
-            normals = np.zeros_like(vertices)
-        return ReadyMesh(wish, vertices, faces, normals)
-
-    def _tell(self, fraction: float) -> None:
-        self.progress = fraction
-
-
-class MeshStore:
-    """Keeps the last meshes and makes the next one, one at a time.
+def extracted(wish: MeshWish, refine: TriangleFilter | None, progress: Progress, cancel: Cancel) -> ReadyMesh:
+    """The mesh of a wish; for a thread that nobody waits for.
 
     Parameters
     ----------
-    keeps : int
-        Number of meshes that are kept.
-    cancels : bool
-        Whether an extraction that nobody wants any more is cancelled. Not where a series of wishes comes faster
-        than meshes can be made: each would be cancelled, and none ever shown.
+    wish : MeshWish
+        What is to be extracted.
+    refine : callable or None
+        Smooths and decimates; without one, the mesh stays as it was extracted.
+    progress, cancel : callable
+        As in `volviz.marching_cubes`.
     """
+    # here, on a thread of its own: it imports numba
+    from volviz.kernels.marching import keep_components, marching_cubes
 
-    def __init__(self, *, keeps: int, cancels: bool) -> None:
-        self._keeps = keeps
-        self._cancels = cancels
-        #: Smooths and decimates; without one, meshes stay as they were extracted.
-        self.refine: TriangleFilter | None = None
-        self._meshes: list[ReadyMesh] = []
-        self._job: _Job | None = None
-
-    @property
-    def last(self) -> ReadyMesh | None:
-        """The mesh that was finished or asked for last."""
-        return self._meshes[-1] if self._meshes else None
-
-    @property
-    def progress(self) -> float:
-        """How far the mesh in work is, 0..1; 1 when there is none."""
-        return 1.0 if self._job is None else self._job.progress
-
-    def held(self, wish: MeshWish) -> ReadyMesh | None:
-        """The mesh, if there is one already."""
-        return next((mesh for mesh in self._meshes if mesh.wish == wish), None)
-
-    def _put_last(self, mesh: ReadyMesh) -> None:
-        self._meshes = [*(other for other in self._meshes if other is not mesh), mesh][-self._keeps :]
-
-    def get(self, wish: MeshWish, patience: float) -> ReadyMesh | None:
-        """The mesh, or None when it is not ready within `patience` seconds; `last` is then an older one.
-
-        Raises
-        ------
-        Exception
-            Whatever the extraction raised.
-        """
-        end = time.monotonic() + patience
-        while True:
-            ready = self.held(wish)
-            if ready is not None:
-                self._put_last(ready)
-                return ready
-            if self._job is None:
-                self._job = _Job(wish, self.refine)
-            elif self._cancels and self._job.wish != wish:
-                self._job.cancelled.set()
-            self._job.thread.join(max(end - time.monotonic(), 0.0))
-            if self._job.thread.is_alive():
-                return None
-            job, self._job = self._job, None
-            if job.error is not None:
-                raise job.error
-            if job.mesh is not None:
-                self._put_last(job.mesh)
-
-    def close(self) -> None:
-        """Stop working and forget the meshes."""
-        if self._job is not None:
-            self._job.cancelled.set()
-            self._job.thread.join()
-            self._job = None
-        self._meshes.clear()
+    share = EXTRACTION_SHARE if wish.is_filtered else 1.0
+    vertices, faces, normals = marching_cubes(
+        wish.volume.finite_array,
+        wish.isovalue,
+        method=wish.method,
+        stride=wish.stride,
+        progress=lambda part: progress(share * part),
+        cancel=cancel,
+    )
+    if wish.largest_part or wish.min_triangles:
+        vertices, faces, normals = keep_components(
+            vertices, faces, normals, largest_only=wish.largest_part, min_triangles=wish.min_triangles
+        )
+    if wish.is_filtered and len(faces) and refine is not None:
+        # lengths are those of the world; its origin would only cost digits
+        to_world = wish.volume.index_to_world[:3, :3]
+        moved, faces, shading = refine(
+            (vertices @ to_world.T).astype(np.float32),
+            faces,
+            smoothing=wish.smoothing,
+            decimation=wish.decimation,
+            progress=lambda part: progress(share + (1 - share) * part),
+            cancel=cancel,
+        )
+        vertices = (moved @ np.linalg.inv(to_world).T).astype(np.float32)
+        # a mirrored lattice turns the triangles over, and with them their normals
+        sign = np.sign(np.linalg.det(to_world))
+        covectors = shading @ (sign * to_world)
+        lengths = np.linalg.norm(covectors, axis=1, keepdims=True)
+        normals = (covectors / np.where(lengths > 0, lengths, 1.0)).astype(np.float32)
+    if normals is None:
+        normals = np.zeros_like(vertices)
+    return ReadyMesh(wish, vertices, faces, normals)

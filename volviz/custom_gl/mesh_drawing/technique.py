@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.mesh_drawing.blocks import MeshBlocks
-from volviz.custom_gl.mesh_drawing.store import MeshStore, MeshWish, ReadyMesh
+from volviz.custom_gl.mesh_drawing.store import MeshWish, ReadyMesh, extracted
 from volviz.custom_gl.mesh_drawing.values import MeshValues, ValueColors
 from volviz.custom_gl.shader_source import GLSL
+from volviz.tasks import LatestResult
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -30,10 +31,6 @@ COARSER = (1, 2, 4, 8)
 STAND_INS = 3
 #: Before any mesh of a volume is known.
 FIRST_COARSER = 4
-#: Seconds that a moving picture waits for the stand-in of a new isovalue before it shows the old one again.
-STAND_IN_PATIENCE = 0.04
-#: Seconds that a full picture waits for its mesh before the window gets its turn.
-PATIENCE = 0.015
 
 
 class _Shown:
@@ -68,7 +65,7 @@ class _Shown:
 
 
 class MeshTechnique:
-    """Extracts a surface on a worker and draws it block by block; a coarser stand-in while something moves."""
+    """Extracts a surface in the background and draws it block by block; a coarser stand-in while something moves."""
 
     #: The host puts the depth of the surface into VTK's depth buffer.
     writes_depth = True
@@ -76,9 +73,11 @@ class MeshTechnique:
     least_resolution = 0.375
 
     def __init__(self) -> None:
-        self._full = MeshStore(keeps=1, cancels=True)
+        self._full: LatestResult[MeshWish, ReadyMesh] = LatestResult("mesh")
         # those of neighbouring strides are at hand when time gets short, and again when it does not
-        self._stand_in = MeshStore(keeps=STAND_INS, cancels=False)
+        self._stand_in: LatestResult[MeshWish, ReadyMesh] = LatestResult(
+            "coarse mesh", keeps=STAND_INS, cancels=False
+        )
         self._shown = {False: _Shown(1), True: _Shown(STAND_INS)}
         self._values = ValueColors()
         self._known: MeshWish | None = None
@@ -93,18 +92,12 @@ class MeshTechnique:
         """The mesh that the last full picture showed, None before the first one."""
         return self._full.last
 
-    @property
-    def progress(self) -> float:
-        """How far the mesh for the next full picture is, 0..1."""
-        return self._full.progress
-
     # ------------------------------------------------------------------ which mesh
 
     def plan(self, frame: Frame) -> int:
         """One chunk per block of triangles; 0 while the mesh is being extracted."""
         wish = self._wish(frame)
-        self._full.refine = self._stand_in.refine = frame.filter_triangles
-        mesh = self._stand_in_for(frame, wish) if frame.interactive else self._full.get(wish, PATIENCE)
+        mesh = self._stand_in_for(frame, wish) if frame.interactive else _made(self._full, frame, wish)
         if mesh is None:
             return 0
         if not frame.interactive:
@@ -123,8 +116,7 @@ class MeshTechnique:
         fits = not frame.interactive or (
             self._full.last is mesh and 3 * mesh.triangles <= _moving_triangles(frame)
         )
-        patience = STAND_IN_PATIENCE if frame.interactive else PATIENCE
-        return self._values.get(mesh, values, patience, stand_in=frame.settings.wireframe or not fits)
+        return self._values.get(frame.tasks, mesh, values, stand_in=frame.settings.wireframe or not fits)
 
     def _wish(self, frame: Frame) -> MeshWish:
         settings, volume = frame.settings, frame.volume
@@ -146,7 +138,7 @@ class MeshTechnique:
         if full is not None and full.triangles <= limit:
             return full
         coarse = wish.coarser(self._coarser(wish, limit))
-        mesh = self._stand_in.get(coarse, STAND_IN_PATIENCE)
+        mesh = _made(self._stand_in, frame, coarse)
         if mesh is not None:
             self._note(mesh)
             return mesh
@@ -219,12 +211,18 @@ class MeshTechnique:
         return program
 
     def release(self) -> None:
-        """Release the meshes on the GPU and stop the workers."""
+        """Release the meshes on the GPU, and forget those that they were made of."""
         for shown in self._shown.values():
             shown.release()
         self._values.release()
-        for store in (self._full, self._stand_in):
-            store.close()
+        for meshes in (self._full, self._stand_in):
+            meshes.clear()
+
+
+def _made(meshes: LatestResult[MeshWish, ReadyMesh], frame: Frame, wish: MeshWish) -> ReadyMesh | None:
+    """The mesh of a wish, or None while a task makes it."""
+    refine = frame.filter_triangles
+    return meshes.get(frame.tasks, wish, lambda progress, cancel: extracted(wish, refine, progress, cancel))
 
 
 def _moving_triangles(frame: Frame) -> int:

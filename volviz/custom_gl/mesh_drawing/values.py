@@ -9,10 +9,10 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.background import Background
 from volviz.custom_gl.mesh_drawing.store import ReadyMesh
 from volviz.custom_gl.mesh_drawing.world import world_places
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
+from volviz.tasks import LatestResult, Tasks
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.context import Gpu
@@ -50,37 +50,31 @@ class _Wish(NamedTuple):
 
 
 class ValueColors:
-    """Finds the values of the meshes of one technique, on a thread, and brings their colours to a shader."""
+    """Finds the values of the meshes of one technique, in the background, and brings their colours to a shader."""
 
     def __init__(self) -> None:
-        self._background: Background[_Wish, MeshValues] = Background()
-        self._kept: list[tuple[_Wish, MeshValues]] = []
+        self._found: LatestResult[_Wish, MeshValues] = LatestResult("values", keeps=KEPT, cancels=False)
         self._table: Any = None
         self._texture: Any = None
 
     def get(
-        self, mesh: ReadyMesh, values: SurfaceValues, patience: float, *, stand_in: bool
+        self, tasks: Tasks, mesh: ReadyMesh, values: SurfaceValues, *, stand_in: bool
     ) -> MeshValues | None:
         """Values on a mesh, or None while they are looked for.
 
         Parameters
         ----------
+        tasks : Tasks
+            Where they are looked for.
         mesh : ReadyMesh
             What is drawn.
         values : SurfaceValues
             Of the surface that it shows, or stands for.
-        patience : float
-            Seconds to wait.
         stand_in : bool
             Give the vertices means of what is around them, and triangles nothing.
         """
         wish = _Wish(mesh, values, stand_in)
-        found = next((made for other, made in self._kept if other == wish), None)
-        if found is None:
-            found = self._background.get(wish, lambda: _looked_up(wish), patience)
-            if found is not None:
-                self._kept = [*self._kept, (wish, found)][-KEPT:]
-        return found
+        return self._found.get(tasks, wish, lambda _progress, _cancel: _looked_up(wish))
 
     def set(self, gpu: Gpu, program: Program, colors: SurfaceColors) -> None:
         """Give a program the colours."""
@@ -109,9 +103,8 @@ class ValueColors:
         self._texture = self._table = None
 
     def release(self) -> None:
-        """Release the colours and stop the thread; the context is current."""
-        self._background.close()
-        self._kept.clear()
+        """Release the colours and forget the values; the context is current."""
+        self._found.clear()
         self._drop_texture()
 
 

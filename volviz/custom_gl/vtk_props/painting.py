@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.background import Background
 from volviz.custom_gl.mesh_drawing.values import MATERIAL
 from volviz.custom_gl.vtk_props import border as vtk
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
+from volviz.tasks import LatestResult, Tasks
 
 Array = npt.NDArray[Any]
 
@@ -24,36 +24,40 @@ class _Wish(NamedTuple):
 
 
 class Painting:
-    """Gives copies of meshes the values of a surface, on a thread; one copy at a time."""
+    """Gives copies of meshes the values of a surface, in the background; the last copy is kept.
 
-    def __init__(self) -> None:
-        self._background: Background[_Wish, Any] = Background()
+    Parameters
+    ----------
+    key : str
+        Of its tasks.
+    """
 
-    def get(
-        self, mesh: Any, to_world: Array, values: SurfaceValues, patience: float, *, stand_in: bool
-    ) -> Any:
+    def __init__(self, key: str) -> None:
+        self._copy: LatestResult[_Wish, Any] = LatestResult(key, cancels=False)
+
+    def get(self, tasks: Tasks, mesh: Any, to_world: Array, values: SurfaceValues, *, stand_in: bool) -> Any:
         """A copy of a mesh with values as its scalars, or None while it is made.
 
         Parameters
         ----------
+        tasks : Tasks
+            Where it is made.
         mesh : vtkPolyData
             Triangles in coordinates of their own.
         to_world : ndarray of shape (4, 4)
             Takes them to the world.
         values : SurfaceValues
             Of the surface that it shows, or stands for.
-        patience : float
-            Seconds to wait.
         stand_in : bool
             Give the vertices means of what is around them; else each triangle becomes three that meet at its middle,
             where it has a value of its own.
         """
         wish = _Wish(mesh, values, stand_in)
-        return self._background.get(wish, lambda: _painted(wish, to_world), patience)
+        return self._copy.get(tasks, wish, lambda _progress, _cancel: _painted(wish, to_world))
 
-    def close(self) -> None:
-        """Wait for the thread and forget the copy."""
-        self._background.close()
+    def clear(self) -> None:
+        """Forget the copy."""
+        self._copy.clear()
 
 
 def show_colors(mapper: Any, colors: SurfaceColors) -> None:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from volviz.custom_gl.background import Background
 from volviz.custom_gl.vtk_props import border as vtk
 from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.custom_gl.vtk_props.images import PlacedImage
 from volviz.custom_gl.vtk_props.painting import Painting, set_material, show_colors
+from volviz.tasks import LatestResult
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
@@ -20,10 +20,6 @@ if TYPE_CHECKING:
 
 #: Clip planes that the polygon mapper takes; with more the mesh itself is cut.
 MAX_PLANES = 6
-#: Seconds that a picture waits for its mesh before the window gets its turn.
-PATIENCE = 0.015
-#: The same while something moves: for a coarse mesh.
-MOVING_PATIENCE = 0.04
 #: Triangles that are drawn while something moves: about 30 ms on software OpenGL, and on a graphics card.
 MOVING_TRIANGLES, MOVING_TRIANGLES_HARDWARE = 60_000, 1_500_000
 #: By how much the stride of a stand-in may be larger than that of the mesh.
@@ -56,11 +52,11 @@ class _Surface(NamedTuple):
 class _Drawn:
     """An actor, and the surface that it shows."""
 
-    def __init__(self) -> None:
+    def __init__(self, painting: str) -> None:
         self.surface: _Surface | None = None
         self.mesh: Any = None
         self.colors: SurfaceColors | None = None
-        self.painting = Painting()
+        self.painting = Painting(painting)
         self.actor = vtk.vtkActor()
         self.mapper = vtk.vtkPolyDataMapper()
         self.mapper.ScalarVisibilityOff()
@@ -89,7 +85,7 @@ class _Drawn:
         """Release what lies on the GPU; the context is current."""
         self.actor.ReleaseGraphicsResources(window)
         self.mapper.RemoveAllInputs()
-        self.painting.close()
+        self.painting.clear()
         self.surface = self.mesh = None
 
 
@@ -110,11 +106,11 @@ class SurfaceProp:
 
     def __init__(self, make_filter: Any) -> None:
         self._make_filter = make_filter
-        self._background: Background[_Wish, _Surface] = Background()
-        self._coarse: Background[_Wish, _Surface] = Background()
+        self._fine: LatestResult[_Wish, _Surface] = LatestResult("mesh", cancels=False)
+        self._coarse: LatestResult[_Wish, _Surface] = LatestResult("coarse mesh", cancels=False)
         self._full: _Surface | None = None
         # one for the full mesh and one for stand-ins, so that neither is uploaded again after a gesture
-        self._drawn = {False: _Drawn(), True: _Drawn()}
+        self._drawn = {False: _Drawn("values"), True: _Drawn("coarse values")}
         self._now = self._drawn[False]
 
     @property
@@ -128,7 +124,7 @@ class SurfaceProp:
         return self._now.mapper
 
     def prepare(self, frame: Frame) -> bool:
-        """Extract the surface on a thread; True when there is one to show."""
+        """Extract the surface in the background; True when there is one to show."""
         settings, volume = frame.settings, frame.volume
         planes = shown_part(frame)
         wish = _Wish(
@@ -141,7 +137,7 @@ class SurfaceProp:
         surface = self._stand_in(frame, wish) if frame.interactive else None
         is_stand_in = surface is not None
         if surface is None:
-            surface = self._background.get(wish, lambda: self._extract(wish), PATIENCE)
+            surface = self._extracted(self._fine, frame, wish)
             self._full = surface or self._full
         if surface is None:
             # while something moves, the surface of before is better than a picture that stands still
@@ -156,9 +152,8 @@ class SurfaceProp:
                 return False
             coarse = is_stand_in or settings.wireframe or self._is_slow(frame, 3 * surface.triangles)
             drawn = self._drawn[is_stand_in or (frame.interactive and coarse)]
-            patience = MOVING_PATIENCE if frame.interactive else PATIENCE
             mesh = drawn.painting.get(
-                surface.mesh, surface.placed.to_world, colors.values, patience, stand_in=coarse
+                frame.tasks, surface.mesh, surface.placed.to_world, colors.values, stand_in=coarse
             )
             if mesh is None:
                 return False
@@ -194,33 +189,16 @@ class SurfaceProp:
         factors = [f for f in COARSER if full.triangles * (fine / (f * wish.stride)) ** 2 <= limit]
         stride = wish.stride * (factors[0] if factors else COARSER[-1])
         coarse = wish._replace(stride=stride)
-        made = self._coarse.get(coarse, lambda: self._extract(coarse), MOVING_PATIENCE)
+        made = self._extracted(self._coarse, frame, coarse)
         last = made if made is not None else self._coarse.last
         return last if last is not None and last.wish.volume is wish.volume else None
 
-    def _extract(self, wish: _Wish) -> _Surface:
-        placed = PlacedImage(wish.volume, wish.stride)
-        contour = self._make_filter()
-        errors = ErrorWords(contour)
-        contour.SetInputData(placed.image)
-        contour.SetValue(0, placed.value(wish.isovalue))
-        contour.SetComputeNormals(wish.smooth)
-        contour.ComputeGradientsOff()
-        contour.ComputeScalarsOff()
-        contour.Update()
-        errors.raise_any(contour.GetClassName())
-        mesh = contour.GetOutput()
-        to_image = np.linalg.inv(placed.to_world)
-        for origin, normal in wish.cuts:
-            plane = vtk.vtkPlane()
-            plane.SetOrigin(*(to_image @ (*origin, 1.0))[:3])
-            plane.SetNormal(*(placed.to_world[:3, :3].T @ normal))
-            clip = vtk.vtkClipPolyData()
-            clip.SetInputData(mesh)
-            clip.SetClipFunction(plane)
-            clip.Update()
-            mesh = clip.GetOutput()
-        return _Surface(wish, placed, mesh)
+    def _extracted(
+        self, surfaces: LatestResult[_Wish, _Surface], frame: Frame, wish: _Wish
+    ) -> _Surface | None:
+        """The surface of a wish, or None while a task makes it."""
+        make = self._make_filter
+        return surfaces.get(frame.tasks, wish, lambda _progress, _cancel: _extract(make, wish))
 
     def check(self) -> None:
         """Raise what VTK complained about while it drew."""
@@ -228,8 +206,34 @@ class SurfaceProp:
 
     def release(self, window: Any) -> None:
         """Release what lies on the GPU; the context is current."""
-        self._background.close()
-        self._coarse.close()
+        self._fine.clear()
+        self._coarse.clear()
         self._full = None
         for drawn in self._drawn.values():
             drawn.release(window)
+
+
+def _extract(make_filter: Any, wish: _Wish) -> _Surface:
+    """The surface by VTK's filter, which cannot be interrupted."""
+    placed = PlacedImage(wish.volume, wish.stride)
+    contour = make_filter()
+    errors = ErrorWords(contour)
+    contour.SetInputData(placed.image)
+    contour.SetValue(0, placed.value(wish.isovalue))
+    contour.SetComputeNormals(wish.smooth)
+    contour.ComputeGradientsOff()
+    contour.ComputeScalarsOff()
+    contour.Update()
+    errors.raise_any(contour.GetClassName())
+    mesh = contour.GetOutput()
+    to_image = np.linalg.inv(placed.to_world)
+    for origin, normal in wish.cuts:
+        plane = vtk.vtkPlane()
+        plane.SetOrigin(*(to_image @ (*origin, 1.0))[:3])
+        plane.SetNormal(*(placed.to_world[:3, :3].T @ normal))
+        clip = vtk.vtkClipPolyData()
+        clip.SetInputData(mesh)
+        clip.SetClipFunction(plane)
+        clip.Update()
+        mesh = clip.GetOutput()
+    return _Surface(wish, placed, mesh)

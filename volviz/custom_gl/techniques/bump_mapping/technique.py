@@ -14,9 +14,9 @@ from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame, Tile
 from volviz.custom_gl.techniques.bump_mapping.maps import MapTextures
 from volviz.custom_gl.techniques.bump_mapping.mesh_surface import MeshData, file_mesh, isosurface_mesh
-from volviz.custom_gl.techniques.bump_mapping.mesh_worker import Make, MeshWorker
 from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS
 from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
+from volviz.tasks import LatestResult, Work
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -30,8 +30,6 @@ RELIEF_VOXELS = 6.0
 TILES = 4
 #: Vertices of a mesh that one chunk draws, three a triangle: about 20 ms on software OpenGL.
 CHUNK_VERTICES = 3 * 40_000
-#: Seconds that a picture waits for the mesh before the window gets its turn.
-PATIENCE = 0.015
 
 _ENCODINGS = {"float": 0, "bytes": 1, "bytes_classic": 2}
 _DISPLAYS = {name: number for number, (name, _) in enumerate(DISPLAYS)}
@@ -80,7 +78,7 @@ class BumpMapping:
         self._parts: list[_Part] = []
         self._targets: Any = None
         self._isovalue = 0.0
-        self._mesh = MeshWorker()
+        self._mesh: LatestResult[Any, MeshData] = LatestResult("mesh")
         self._own_uv = False
         self.notice = ""
 
@@ -151,7 +149,7 @@ class BumpMapping:
     # ------------------------------------------------------------------ what is drawn
 
     def _update_geometry(self, frame: Frame) -> bool:
-        """Have what is drawn on the GPU; False while a worker makes it."""
+        """Have what is drawn on the GPU; False while a task makes it."""
         s = frame.settings
         self.notice = ""
         if s.surface == "mesh":
@@ -174,7 +172,7 @@ class BumpMapping:
     def _update_mesh(self, frame: Frame) -> bool:
         s = frame.settings
         key, make = self._wish(frame)
-        mesh = self._mesh.get(key, make, PATIENCE)
+        mesh = self._mesh.get(frame.tasks, key, make)
         held = self._geometry
         if mesh is None:
             # while something moves, the mesh that was shown does for the new one
@@ -187,21 +185,21 @@ class BumpMapping:
             self._ranges = [(0, 0, mesh.faces.size)]
         return True
 
-    def _wish(self, frame: Frame) -> tuple[Any, Make]:
+    def _wish(self, frame: Frame) -> tuple[Any, Work[MeshData]]:
         """What identifies the mesh that is wanted, and how it is made; neither refers to the frame."""
         s, volume, read = frame.settings, frame.volume, frame.read_triangles
         if s.mesh_file and read is not None:
             file = Path(s.mesh_file).expanduser()
             changed = file.stat().st_mtime_ns if file.is_file() else 0
 
-            def from_file(cancel: Any) -> MeshData:
+            def from_file(_progress: Any, cancel: Any) -> MeshData:
                 return file_mesh(volume, read(str(file), cancel=cancel), file.name)
 
             return ("mesh", volume, str(file), changed), from_file
         isovalue, stride = frame.isovalues[0], int(s.stride)
         return (
             ("mesh", volume, isovalue, stride),
-            lambda cancel: isosurface_mesh(volume, isovalue, stride, cancel),
+            lambda _progress, cancel: isosurface_mesh(volume, isovalue, stride, cancel),
         )
 
     def _replace(self, geometry: _Geometry | None) -> None:
@@ -271,8 +269,8 @@ class BumpMapping:
         return frame.gpu.targets.get(_purpose(self, interactive=frame.interactive), frame.size)
 
     def release(self) -> None:
-        """Release buffers, textures and the target of two passes; stop the worker."""
-        self._mesh.close()
+        """Release buffers, textures and the target of two passes; forget the mesh."""
+        self._mesh.clear()
         self._replace(None)
         self._maps.release()
         if self._targets is not None:

@@ -1,16 +1,13 @@
-"""The oracle's picture of a frame, computed on a thread; the newest wish counts."""
+"""The oracle's picture of a frame, of plain values, so that any thread can compute it."""
 
 from __future__ import annotations
 
-import threading
-import time
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from volviz.errors import Cancelled
 from volviz.kernels.reference import Shading, reference_render
 from volviz.model.transfer_function import MAX_TABLE, TransferFunction, table_size
 from volviz.model.volume import Volume
@@ -57,77 +54,6 @@ class Wish:
     planes: Any
     light: Any
     light_color: tuple[float, float, float]
-
-
-class _Job:
-    """One picture on a thread of its own."""
-
-    def __init__(self, wish: Wish) -> None:
-        self.wish = wish
-        self.progress = 0.0
-        self.picture: Picture | None = None
-        self.error: Exception | None = None
-        self.cancelled = threading.Event()
-        self.thread = threading.Thread(target=self._work, name="volviz-reference", daemon=True)
-        self.thread.start()
-
-    def _work(self) -> None:
-        try:
-            self.picture = computed(self.wish, self._tell, self.cancelled.is_set)
-        except Cancelled:
-            return
-        except Exception as error:  # noqa: BLE001 - raised again where the picture is asked for
-            self.error = error
-
-    def _tell(self, fraction: float) -> None:
-        self.progress = fraction
-
-
-class Computing:
-    """Keeps the last picture and makes the next one."""
-
-    def __init__(self) -> None:
-        self._made: tuple[Wish, Picture] | None = None
-        self._job: _Job | None = None
-
-    @property
-    def progress(self) -> float:
-        """How far the picture in work is, 0..1; 1 when there is none."""
-        return 1.0 if self._job is None else self._job.progress
-
-    def get(self, wish: Wish, patience: float) -> Picture | None:
-        """The picture, or None while it is computed; a picture that is no longer wanted is cancelled.
-
-        Parameters
-        ----------
-        wish : Wish
-            What to compute.
-        patience : float
-            Seconds to wait for it.
-        """
-        end = time.perf_counter() + patience
-        while True:
-            if self._made is not None and self._made[0] == wish:
-                return self._made[1]
-            if self._job is None:
-                self._job = _Job(wish)
-            elif self._job.wish != wish:
-                self._job.cancelled.set()
-            self._job.thread.join(max(end - time.perf_counter(), 0.0))
-            if self._job.thread.is_alive():
-                return None
-            job, self._job = self._job, None
-            if job.error is not None:
-                raise job.error
-            if job.picture is not None:
-                self._made = (job.wish, job.picture)
-
-    def close(self) -> None:
-        """Cancel what is in work and forget everything."""
-        if self._job is not None:
-            self._job.cancelled.set()
-            self._job.thread.join()
-        self._job = self._made = None
 
 
 def computed(wish: Wish, progress: Any = None, cancel: Any = None) -> Picture:

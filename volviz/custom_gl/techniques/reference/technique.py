@@ -1,4 +1,4 @@
-"""Shows pictures of the float64 oracle, computed on a thread of their own."""
+"""Shows pictures of the float64 oracle, computed in the background."""
 
 from __future__ import annotations
 
@@ -9,12 +9,9 @@ import numpy as np
 
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.techniques.reference.computing import Computing, Wish
+from volviz.custom_gl.techniques.reference.computing import Picture, Wish, computed
+from volviz.tasks import LatestResult
 
-#: Seconds that a full picture waits for the oracle before the window gets its turn.
-PATIENCE = 0.015
-#: The same while something moves.
-MOVING_PATIENCE = 0.03
 #: Rows of a picture while something moves.
 MOVING_ROWS = 64
 
@@ -27,19 +24,16 @@ class Reference:
     accumulates = False
 
     def __init__(self) -> None:
-        self._computing = Computing()
+        self._pictures: LatestResult[Wish, Picture] = LatestResult("reference")
         self._texture: Any = None
         self._shown: Any = None
-
-    @property
-    def progress(self) -> float:
-        """How far the picture in work is, 0..1."""
-        return self._computing.progress
 
     def plan(self, frame: Frame) -> int:
         """One chunk per tile when the picture is there, 0 while it is computed."""
         wish = self._wish(frame)
-        picture = self._computing.get(wish, MOVING_PATIENCE if frame.interactive else PATIENCE)
+        picture = self._pictures.get(
+            frame.tasks, wish, lambda progress, cancel: computed(wish, progress, cancel)
+        )
         if picture is None:
             return 0
         if self._shown is not picture:
@@ -68,8 +62,8 @@ class Reference:
         gpu.gl.scissor = None
 
     def release(self) -> None:
-        """Release the texture, and stop computing; the context is current."""
-        self._computing.close()
+        """Release the texture and forget the picture; the context is current."""
+        self._pictures.clear()
         self._release_texture()
 
     def _release_texture(self) -> None:

@@ -1,8 +1,7 @@
-"""Splats as one packed array, selected and ordered on a thread of their own."""
+"""Splats as one packed array, selected and ordered in the background."""
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy.typing as npt
 from volviz.custom_gl.splat_selection import splats_of
 from volviz.custom_gl.techniques.splatting.order import Eye, back_to_front, shuffled
 from volviz.model.volume import Volume
+from volviz.tasks import LatestResult, Tasks
 
 #: Floats per splat: voxel index (3), normal (3), fraction of the data range (1).
 FLOATS = 7
@@ -75,73 +75,52 @@ class Ready:
 
 
 class SplatStore:
-    """Keeps the last splats and makes new ones in the background."""
+    """Keeps the last splats and makes new ones in the background.
 
-    def __init__(self) -> None:
-        self.ready: Ready | None = None
-        self.error: Exception | None = None
+    Parameters
+    ----------
+    key : str
+        Of its tasks.
+    """
+
+    def __init__(self, key: str) -> None:
+        self._ready: LatestResult[Any, Ready] = LatestResult(key, cancels=False)
+        # of the thread that makes the splats: another order needs no other selection
         self._selected: tuple[Any, Packed] | None = None
-        self._thread: threading.Thread | None = None
 
-    def get(self, wanted: Wanted, *, wait: bool, patience: float | None = None) -> Ready | None:
-        """The splats, or what there was before as long as they are not ready.
+    def get(self, tasks: Tasks, wanted: Wanted, *, may_follow: bool) -> Ready | None:
+        """The splats, or None while they are being made.
 
         Parameters
         ----------
+        tasks : Tasks
+            Where they are made.
         wanted : Wanted
             What is to be drawn.
-        wait : bool
-            Come back with these splats only. Without others that may be shown meanwhile they are waited for anyway.
-        patience : float, optional
-            Seconds to wait for them before None is given; the default is to wait for as long as it takes.
+        may_follow : bool
+            Give the last splats as long as these are not ready, where that is possible (`Wanted.may_follow`).
         """
-        while self.ready is None or self.ready.wanted.key != wanted.key:
-            if self._thread is None:
-                self._begin(wanted)
-            elif self._thread.is_alive() and not wait and self.ready is not None:
-                if wanted.may_follow(self.ready.wanted):
-                    break
-                if not self._end(patience):
-                    return None
-            elif not self._end(patience):
-                return None
-        return self.ready
+        ready = self._ready.get(tasks, wanted.key, lambda _progress, _cancel: self._made(wanted))
+        last = self._ready.last
+        if ready is None and may_follow and last is not None and wanted.may_follow(last.wanted):
+            return last
+        return ready
 
-    def _begin(self, wanted: Wanted) -> None:
-        self._thread = threading.Thread(target=self._work, args=(wanted,), name="volviz-splats", daemon=True)
-        self._thread.start()
+    def _made(self, wanted: Wanted) -> Ready:
+        selected = self._selected
+        if selected is None or selected[0] != wanted.selection:
+            selected = self._selected = (wanted.selection, pack(wanted))
+        packed = selected[1]
+        if wanted.eye is None:
+            order = shuffled(len(packed))
+        else:
+            order = back_to_front(packed[:, :3], wanted.eye, wanted.volume.index_to_world)
+        return Ready(wanted, packed[order])
 
-    def _end(self, patience: float | None = None) -> bool:
-        """Wait for the thread; False when it needs longer."""
-        if self._thread is not None:
-            self._thread.join(patience)
-            if self._thread.is_alive():
-                return False
-            self._thread = None
-        if self.error is not None:
-            error, self.error = self.error, None
-            raise error
-        return True
-
-    def _work(self, wanted: Wanted) -> None:
-        try:
-            if self._selected is None or self._selected[0] != wanted.selection:
-                self._selected = (wanted.selection, pack(wanted))
-            packed = self._selected[1]
-            if wanted.eye is None:
-                order = shuffled(len(packed))
-            else:
-                order = back_to_front(packed[:, :3], wanted.eye, wanted.volume.index_to_world)
-            self.ready = Ready(wanted, packed[order])
-        except Exception as error:  # noqa: BLE001 - raised again where the splats are asked for
-            self.error = error
-
-    def close(self) -> None:
-        """Wait for the thread and forget everything."""
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
-        self.ready = self._selected = self.error = None
+    def clear(self) -> None:
+        """Forget everything."""
+        self._ready.clear()
+        self._selected = None
 
 
 def pack(wanted: Wanted) -> Packed:

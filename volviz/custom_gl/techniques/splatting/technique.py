@@ -23,8 +23,6 @@ _HERE = Path(__file__).parent
 BLOCK = 65536
 #: Rows of the picture that one chunk of the blur covers.
 STRIP = 64
-#: Seconds for which splats that are being made are waited for before something else has its turn.
-PATIENCE = 0.01
 #: Splats that are drawn in any case while something moves.
 FEWEST_SPLATS = 20000
 #: Lattice of translucent splats while something moves.
@@ -71,7 +69,7 @@ class Splatting:
     writes_depth = True
 
     def __init__(self) -> None:
-        self._stores = {False: SplatStore(), True: SplatStore()}
+        self._stores = {False: SplatStore("splats"), True: SplatStore("coarse splats")}
         self._blocks: list[Any] = []
         self._held: Ready | None = None
         self._arrays: dict[tuple[int, int], tuple[Any, Any]] = {}
@@ -115,7 +113,7 @@ class Splatting:
         # a cut lays bare what would be hidden
         cull = not translucent and whole and not frame.planes
         wanted = Wanted(volume, frame.isovalues[0], per_axis, cull, eye)
-        return self._stores[coarse].get(wanted, wait=not frame.interactive, patience=PATIENCE)
+        return self._stores[coarse].get(frame.tasks, wanted, may_follow=frame.interactive)
 
     def _upload(self, frame: Frame, ready: Ready) -> None:
         if self._held is ready:
@@ -319,9 +317,9 @@ class Splatting:
         self._held = None
 
     def release(self) -> None:
-        """Release splats and targets, and wait for a selection in the making."""
+        """Release splats and targets."""
         for store in self._stores.values():
-            store.close()
+            store.clear()
         self._release_blocks()
         if self._pool is not None:
             for purpose in ("splats", "blurred"):

@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.background import Background
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.vtk_normal_map.plane_maps import PlaneMaps, PlaneWish, plane_maps
 from volviz.custom_gl.vtk_props import border as vtk
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.model.cut_plane import default_cut_plane
+from volviz.tasks import LatestResult
 
-#: Seconds that a picture waits for its maps before the window gets its turn.
-PATIENCE = 0.03
 #: Most texels along a side while something moves.
 MOVING_TEXELS = 192
 
@@ -31,7 +29,7 @@ class VtkNormalMap:
     seconds_per_pixel = 1e-6
 
     def __init__(self) -> None:
-        self._background: Background[PlaneWish, PlaneMaps] = Background()
+        self._maps: LatestResult[PlaneWish, PlaneMaps] = LatestResult("plane", cancels=False)
         self._shown: PlaneMaps | None = None
         self._volume: Any = None
         self.mapper = vtk.vtkPolyDataMapper()
@@ -57,9 +55,9 @@ class VtkNormalMap:
         return (self.actor,)
 
     def prepare(self, frame: Frame) -> bool:
-        """Sample the plane on a thread; True when there are maps to show."""
+        """Sample the plane in the background; True when there are maps to show."""
         wish = _wish(frame)
-        maps = self._background.get(wish, lambda: plane_maps(wish), PATIENCE)
+        maps = self._maps.get(frame.tasks, wish, lambda _progress, _cancel: plane_maps(wish))
         if maps is None:
             if not frame.interactive or self._shown is None or self._volume is not frame.volume:
                 return False
@@ -100,7 +98,7 @@ class VtkNormalMap:
 
     def release(self, window: Any) -> None:
         """Release what lies on the GPU; the context is current."""
-        self._background.close()
+        self._maps.clear()
         self.actor.ReleaseGraphicsResources(window)
         self._colors.ReleaseGraphicsResources(window)
         self._normals.ReleaseGraphicsResources(window)

@@ -6,19 +6,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from volviz.custom_gl.background import Background
 from volviz.custom_gl.splat_selection import lattice_steps, splats_of
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.vtk_point_gaussian.cloud import Cloud
 from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
 from volviz.kernels.splats import Splats
 from volviz.model.volume import Volume
+from volviz.tasks import LatestResult
 
 #: Clip planes that the mapper takes; what more would cut away is not handed to it.
 MAX_PLANES = 6
-#: Seconds that a picture waits for its splats before the window gets its turn.
-PATIENCE = 0.015
-
 #: Splats that are drawn while something moves, on software OpenGL and on a graphics card.
 MOVING_SPLATS, MOVING_SPLATS_HARDWARE = 40_000, 1_000_000
 
@@ -46,7 +43,7 @@ class VtkPointGaussian:
     seconds_per_pixel = 1e-6
 
     def __init__(self) -> None:
-        self._background: Background[_Wish, Splats] = Background()
+        self._selected: LatestResult[_Wish, Splats] = LatestResult("splats", cancels=False)
         self._wish: _Wish | None = None
         self._splats: Splats | None = None
         self._few: tuple[Splats, Splats] | None = None
@@ -66,14 +63,14 @@ class VtkPointGaussian:
         return self._now.mapper
 
     def prepare(self, frame: Frame) -> bool:
-        """Select the voxels on a thread; True when there are some to show."""
+        """Select the voxels in the background; True when there are some to show."""
         settings, volume = frame.settings, frame.volume
         disc = settings.footprint == "disc"
         planes = shown_part(frame)
         # a cut lays bare what would be hidden
         cull = disc and not planes
         wish = _Wish(volume, frame.isovalues[0], settings.splats_per_axis, cull, tuple(planes[MAX_PLANES:]))
-        splats = self._background.get(wish, lambda: _selected(wish), PATIENCE)
+        splats = self._selected.get(frame.tasks, wish, lambda _progress, _cancel: _selected(wish))
         if splats is None:
             if not frame.interactive or self._wish is None or not wish.may_follow(self._wish):
                 return False
@@ -110,7 +107,7 @@ class VtkPointGaussian:
 
     def release(self, window: Any) -> None:
         """Release what lies on the GPU; the context is current."""
-        self._background.close()
+        self._selected.clear()
         for cloud in self._clouds.values():
             cloud.release(window)
         self._splats = self._few = None
