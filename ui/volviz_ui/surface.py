@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 
 from volviz.custom_gl.mesh_drawing import MeshSettings, ReadyMesh, world_triangles
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
-from volviz.model.parameters import Cost, parameters_of
+from volviz.custom_gl.technique import surface_settings
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.workers import Task, Workers
@@ -90,13 +90,11 @@ class Surface(QObject):
         if self._settings is None:
             return
         technique, settings = self._settings
-        names = [p.name for p in parameters_of(type(settings)) if p.cost is Cost.DATA]
 
         def back(scene: Scene) -> Scene:
             if scene.view.technique != technique:
                 return scene
-            values = {name: getattr(settings, name) for name in names}
-            restored = replace(current_settings(scene), **values)
+            restored = replace(current_settings(scene), **surface_settings(settings))
             return scene.with_view(settings=scene.view.with_settings(technique, restored).settings)
 
         self._store.update(back, label=self.tr("Cancel the mesh"))

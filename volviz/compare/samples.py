@@ -66,6 +66,8 @@ def ray_samples(spec: RenderSpec, view: View) -> RaySamples | None:
     distance = shown.common.step * min(shown.volume.spacing)
     if shown.info.view_slices is not None:
         forward = np.asarray(camera.direction)
+        # slices reach a little beyond the box: where the step divides its depth, that is not a sample more
+        distance *= 1.0 + 1e-6
         low, high, number = shown.info.view_slices(shown.settings, shown.box_corners, forward, distance)
         distance = (high - low) / number
         counts = lengths * np.abs(directions @ forward) / distance
