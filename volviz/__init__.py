@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from volviz.custom_gl.host import add_volume as add_volume
     from volviz.errors import VolvizError as VolvizError
     from volviz.io import load as load
+    from volviz.io import open as open  # noqa: A004 - as in tifffile, PIL
     from volviz.kernels.marching import marching_cubes as marching_cubes
     from volviz.mesh import extract_isosurface as extract_isosurface
     from volviz.model.camera import Camera as Camera
@@ -45,6 +46,7 @@ _PUBLIC = {
     "add_volume": "volviz.custom_gl.host",
     "extract_isosurface": "volviz.mesh",
     "load": "volviz.io",
+    "open": "volviz.io",
     "marching_cubes": "volviz.kernels.marching",
     "presets": "volviz.api",
     "render": "volviz.renderer",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import sys
 import threading
 import time
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 import tifffile
 
+import volviz
 from tests.unit.io.writers import dicom_slice, itk, scalars
 from volviz.cli import main
 from volviz.errors import Cancelled, InputError, LoadError, VolvizError
@@ -199,6 +201,69 @@ def test_loading_works_on_a_thread(reader, file):
 
 
 @by_reader
+def test_a_file_is_opened_by_its_header_alone(reader, file, tmp_path, monkeypatch):
+    source = volviz.open(file)
+    assert source.axes == ("z", "y", "x")
+    assert source.sizes == {"z": 12, "y": 40, "x": 50}
+    (level,) = source.levels
+    assert level.dimensions == (50, 40, 12)
+    np.testing.assert_allclose(level.direction, np.eye(3), atol=1e-6)
+    assert source.metadata["source"] == str(file)
+    assert source.content_id
+    # other values in the same place: what is read now cannot have been read before
+    shutil.rmtree(file) if file.is_dir() else file.unlink()
+    monkeypatch.setattr(sys.modules[__name__], "ARRAY", ARRAY[:, ::-1] + 1)
+    assert WRITERS[reader.name](tmp_path) == file
+    np.testing.assert_array_equal(source.read().array, ARRAY)
+
+
+@by_reader
+def test_a_box_is_read_with_its_place(reader, file):
+    box = (3, 20, 0, 40, 5, 9)
+    part = load(file, box=box)
+    np.testing.assert_array_equal(part.array, ARRAY[5:9, 0:40, 3:20])
+    np.testing.assert_allclose(part.origin, (3, 0, 5), atol=1e-5)
+    moved = volviz.open(file, origin=(1, 2, 3), spacing=(2, 2, 2)).read(box=box)
+    assert (moved.origin, moved.spacing) == ((7, 2, 13), (2, 2, 2))
+
+
+@by_reader
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        ({"level": 3}, "only one level, got 3"),
+        ({"time": 12}, "only one time point, got 12"),
+        ({"channel": 1}, "only one channel, got 1"),
+        ({"time": -1}, "only one time point, got -1"),
+        ({"box": (0, 50, 0, 40, 0, 13)}, "from 0 to 13 along k, outside the 12 voxels"),
+        ({"box": (0, 50, 0, 40, 4, 5)}, "one voxel along k"),
+        ({"time": "2"}, "time must be an integer"),
+    ],
+)
+def test_a_part_that_is_not_there_is_refused_in_words(reader, file, part, words):
+    with pytest.raises(InputError, match=words) as caught:
+        load(file, **part)
+    assert "\n" not in str(caught.value)
+
+
+@by_reader
+def test_a_source_is_read_on_several_threads(reader, file):
+    source, found = volviz.open(file), []
+    boxes = [(0, 50, 0, 40, k, k + 4) for k in range(8)]
+    workers = [
+        threading.Thread(target=lambda box=box: found.append((box, source.read(box=box).array)))
+        for box in boxes
+    ]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join(20)
+    assert len(found) == len(boxes)
+    for box, array in found:
+        np.testing.assert_array_equal(array, ARRAY[box[4] : box[5]])
+
+
+@by_reader
 def test_suffixes_are_lower_case_and_in_the_dialog(reader, file):
     everything, *each = file_dialog_filters()
     assert reader.suffixes
@@ -284,8 +349,10 @@ def test_missing_files_and_unreadable_ones_are_refused_in_words(tmp_path, monkey
 
 
 def test_unknown_hints_and_samples_are_refused_in_words(tmp_path):
-    with pytest.raises(InputError, match="knows no hint 'tiem'; it takes dims"):
+    with pytest.raises(InputError, match=r"knows no hint 'tiem'; it takes dims.* time"):
         load(tmp_path, tiem=3)
+    with pytest.raises(InputError, match=r"time is chosen when values are read: .*read\(time=\.\.\.\)"):
+        volviz.open(tmp_path, time=3)
     with pytest.raises(InputError, match="no sample 'elephant'; there are mri-brain"):
         load("sample:elephant")
 
@@ -328,6 +395,32 @@ def test_a_legacy_vtk_file_is_read(tmp_path, binary):
     np.testing.assert_array_equal(volume.array, values)
     assert (volume.spacing, volume.origin) == ((0.5, 1, 2), (1, 2, 3))
     assert volume.metadata["field"] == "density"
+    np.testing.assert_array_equal(load(tmp_path / "v.vtk", box=(1, 5, 0, 2, 1, 3)).array, values[1:, :2, 1:])
+
+
+def test_the_arrays_of_a_vtk_file_are_its_channels(tmp_path):
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+    first, second = scalars((3, 4, 5), "int16"), scalars((3, 4, 5), "float32", 2)
+    image = vtkImageData()
+    image.SetDimensions(5, 4, 3)
+    for name, values in (("density", first), ("heat", second)):
+        array = numpy_to_vtk(values.ravel(), deep=True)
+        array.SetName(name)
+        image.GetPointData().AddArray(array)
+    image.GetPointData().SetActiveScalars("heat")
+    writer = vtkXMLImageDataWriter()
+    writer.SetFileName(str(tmp_path / "v.vti"))
+    writer.SetInputData(image)
+    writer.Write()
+    source = volviz.open(tmp_path / "v.vti")
+    assert source.sizes == {"c": 2, "z": 3, "y": 4, "x": 5}
+    assert [channel.name for channel in source.channels] == ["density", "heat"]
+    np.testing.assert_array_equal(source.read().array, second)
+    np.testing.assert_array_equal(source.read(channel=0).array, first)
+    assert "heat is shown" in source.read().metadata["notes"][0]
 
 
 def test_reading_vtk_leaves_its_messages_where_they_were(tmp_path):

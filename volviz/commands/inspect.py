@@ -57,11 +57,18 @@ def run_info(options: argparse.Namespace) -> int:
         )),
         ("range", f"{told['range'][0]:g} to {told['range'][1]:g}{unit}"),
     ]  # fmt: skip
+    if "t" in told["sizes"]:
+        times = told["times"]
+        when = "" if times is None else f", from {times[0]:g} to {times[-1]:g} s"
+        rows.append(("time points", f"{told['sizes']['t']}{when}"))
+    if "c" in told["sizes"]:
+        names = ", ".join(name for name in told["channels"] if name)
+        rows.append(("channels", f"{told['sizes']['c']}{f' ({names})' if names else ''}"))
     if told["nonfinite"]:
         rows.append(("not finite", f"{told['nonfinite']} values, drawn as the lowest one"))
     rows += [("note", note) for note in told["notes"]]
     for label, text in rows:
-        _say(f"{label + ':':<11} {text}")
+        _say(f"{label + ':':<12} {text}")
     return 0
 
 

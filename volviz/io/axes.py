@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from volviz.errors import InputError
+from volviz.volume_data.source import checked_number
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -20,7 +21,7 @@ _WORDS = {"T": ("time", "time point"), "C": ("channel", "channel"), "S": ("chann
 
 
 def choose(job: Job, letter: str, count: int) -> int:
-    """Index along a time or channel axis: the hint, or the first one with a note.
+    """Index along a time or channel axis: what is asked for, or the first one with a note.
 
     Parameters
     ----------
@@ -32,22 +33,19 @@ def choose(job: Job, letter: str, count: int) -> int:
     Raises
     ------
     LoadError
-        The hint lies outside.
+        What is asked for lies outside.
     """
-    hint, word = _WORDS[letter]
-    wanted = getattr(job.hints, hint)
+    what, word = _WORDS[letter]
+    wanted = job.time if letter == "T" else job.channel
     if wanted is None:
         if count > 1:
-            job.note(f"The first of {count} {word}s is shown; choose another with {hint}=0..{count - 1}.")
+            job.note(f"The first of {count} {word}s is shown; choose another with {what}=0..{count - 1}.")
         return 0
-    if not -count <= wanted < count:
-        some = f"{hint} must lie in 0..{count - 1}" if count > 1 else f"there is only one {word}"
-        raise InputError(f"{job.path.name}: {some}, got {wanted}.")
-    return int(wanted) % count
+    return checked_number(what, wanted, count, job.path.name)
 
 
 def to_zyx(array: npt.NDArray[Any], axes: str, job: Job, *, colour: bool | None = None) -> npt.NDArray[Any]:
-    """Reduce an array to three axes in the order (Z, Y, X).
+    """The part of an array that a job asks for, with three axes in the order (Z, Y, X).
 
     Parameters
     ----------
@@ -63,13 +61,14 @@ def to_zyx(array: npt.NDArray[Any], axes: str, job: Job, *, colour: bool | None 
             at = axes.index(letter)
             array = np.take(array, choose(job, letter, array.shape[at]), axis=at)
             axes = axes.replace(letter, "")
+            if letter == "C":
+                # a channel that was found is no component of colours as well
+                job = replace(job, channel=None)
     if "S" in axes:
         array = np.moveaxis(array, axes.index("S"), -1)
         axes = axes.replace("S", "")
         count = array.shape[-1]
-        if colour is None:
-            colour = count in (3, 4) and array.dtype == np.uint8
-        if colour and count in (3, 4) and job.hints.channel is None:
+        if are_colours("S", (count,), array.dtype, colour) and job.channel is None:
             job.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
             array = brightness(array)
         else:
@@ -79,7 +78,18 @@ def to_zyx(array: npt.NDArray[Any], axes: str, job: Job, *, colour: bool | None 
             array, axes = array[None], "Z" + axes
         else:
             raise job.error(f"its axes {axes!r} are not those of a volume; save it with the axes z, y, x.")
-    return np.ascontiguousarray(array.transpose([axes.index(letter) for letter in "ZYX"]))
+    array = array.transpose([axes.index(letter) for letter in "ZYX"])
+    if job.box is not None:
+        i0, i1, j0, j1, k0, k1 = job.box
+        array = array[k0:k1, j0:j1, i0:i1]
+    return np.ascontiguousarray(array)
+
+
+def are_colours(axes: str, shape: tuple[int, ...], dtype: npt.DTypeLike | None, colour: bool | None) -> bool:
+    """Whether the axis "S" holds red, green, blue (and alpha); see `to_zyx` for `colour`."""
+    if "S" not in axes or shape[axes.index("S")] not in (3, 4):
+        return False
+    return np.dtype(dtype) == np.uint8 if colour is None else colour
 
 
 def brightness(array: npt.NDArray[Any]) -> npt.NDArray[Any]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import warnings
 from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +17,8 @@ import numpy as np
 from volviz.errors import InputError
 from volviz.io.axes import brightness, choose
 from volviz.io.dicom_headers import Slice, dicom_files, looks_like_dicom, read_header
-from volviz.io.geometry import Geometry, is_usable
+from volviz.io.file_source import file_source
+from volviz.io.geometry import is_usable
 from volviz.io.scaling import rescaled
 
 if TYPE_CHECKING:
@@ -23,8 +26,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from volviz.io.file_source import FileSource
+    from volviz.io.geometry import Geometry
     from volviz.io.reader import Job
-    from volviz.model.volume import Volume
+
+    Pixels = Callable[[Job, list[Slice]], npt.NDArray[Any]]
 
 SUFFIXES = (".dcm", ".dicom", ".ima")
 
@@ -40,8 +46,8 @@ def sniff(head: bytes, path: Path) -> bool:
     return looks_like_dicom(head)
 
 
-def read(job: Job) -> Volume:
-    """Read the largest series of a folder (or the one asked for) as a volume."""
+def open_source(job: Job) -> FileSource:
+    """The largest series of a folder, or the one asked for, with all its time points."""
     slices = _scan(job)
     if job.path.is_file():
         own = next((s for s in slices if s.path == job.path), None)
@@ -57,20 +63,46 @@ def read(job: Job) -> Volume:
     if not slices:
         raise job.error("the folder holds no DICOM image that can be read; choose another one.")
     series = _same_kind(job, _series(job, slices))
-    if len(series) == 1 and series[0].count > 1:
-        array, geometry = _frames(job, series[0])
-    else:
-        if series[0].count > 1:
-            raise job.error("the series consists of several multi-frame files; open one of them.")
-        series = _one_time_point(job, series)
-        geometry, series = _stack_geometry(job, series)
-        array = _stack(job, series)
     first = series[0]
+    if len(series) == 1 and first.count > 1:
+        stacks = _stacks_of_frames(job, first)
+        return _source(job, first, stacks, lambda job, frames: _frames(job, first, frames))
+    if first.count > 1:
+        raise job.error("the series consists of several multi-frame files; open one of them.")
+    return _source(job, first, _time_points(job, series), _stack)
+
+
+def _source(job: Job, first: Slice, stacks: list[list[Slice]], pixels: Pixels) -> FileSource:
+    """One stack of slices a time point; the first says where all lie."""
+
+    def values(job: Job) -> npt.NDArray[Any]:
+        stack = stacks[choose(job, "T", len(stacks))]
+        if job.box is None:
+            return pixels(job, stack)
+        i0, i1, j0, j1, k0, k1 = job.box
+        return np.ascontiguousarray(pixels(job, stack[k0:k1])[:, j0:j1, i0:i1])
+
+    # where the frames of a file lie, it may not say; then one entry stands for all
+    where = stacks[0] if stacks[0][0].position is not None else [stacks[0][0]]
+    times = [stack[0].time for stack in stacks]
+    known = [time for time in times if time is not None]
     # no name of a person, no date, no number of a study: only what the picture needs
-    return job.volume(
-        array, geometry, format="DICOM", name=f"DICOM {first.modality or 'image'} {array.shape[0]} slices",
-        unit=first.unit, length_unit="mm", modality=first.modality,
-    )  # fmt: skip
+    return file_source(
+        job,
+        values,
+        "TZYXS" if first.samples in (3, 4) else "TZYX",
+        (len(stacks), len(stacks[0]), first.rows, first.columns, first.samples)[
+            : 5 if first.samples in (3, 4) else 4
+        ],
+        _stack_geometry(job, where),
+        format="DICOM",
+        name=f"DICOM {first.modality or 'image'} {len(stacks[0])} slices",
+        colour=True,
+        times=known if len(set(known)) == len(times) and known == sorted(known) else None,
+        unit=first.unit,
+        length_unit="mm",
+        modality=first.modality,
+    )
 
 
 def _scan(job: Job) -> list[Slice]:
@@ -146,10 +178,10 @@ def _kind(item: Slice) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def _one_time_point(job: Job, slices: list[Slice]) -> list[Slice]:
-    """Of several slices at one position, those of one time point; sorted along the stack."""
+def _time_points(job: Job, slices: list[Slice]) -> list[list[Slice]]:
+    """Several slices at one position are time points: a stack, sorted along its normal, for each of them."""
     if any(s.position is None or s.orientation is None for s in slices):
-        return sorted(slices, key=lambda s: (s.order[3], s.path.name))
+        return [sorted(slices, key=lambda s: (s.order[3], s.path.name))]
     normal = np.cross(slices[0].orientation[:3], slices[0].orientation[3:])  # type: ignore[index]
     places: dict[float, list[Slice]] = defaultdict(list)
     for item in slices:
@@ -157,14 +189,28 @@ def _one_time_point(job: Job, slices: list[Slice]) -> list[Slice]:
         places[round(float(np.dot(normal, np.asarray(item.position))), 2)].append(item)
     depth = {len(group) for group in places.values()}
     stacked = [sorted(group, key=lambda s: (s.order, s.path.name)) for _, group in sorted(places.items())]
-    if len(depth) == 1:
-        index = choose(job, "T", depth.pop())
-        return [group[index] for group in stacked]
-    job.note("Some slices lie at one and the same position; the first of them was taken.")
-    return [group[0] for group in stacked]
+    if len(depth) > 1:
+        job.note("Some slices lie at one and the same position; the first of them was taken.")
+        stacked = [group[:1] for group in stacked]
+    return [list(stack) for stack in zip(*stacked, strict=True)]
 
 
-def _stack_geometry(job: Job, slices: list[Slice]) -> tuple[Geometry, list[Slice]]:
+def _stacks_of_frames(job: Job, item: Slice) -> list[list[Slice]]:
+    """The frames of a file as slices with a number each: a stack, sorted along its normal, a time point."""
+    if len(item.frames) != item.count or item.orientation is None:
+        job.note("The header does not say where the frames lie; they are stacked in their order.")
+        return [[replace(item, position=None, frame=number) for number in range(item.count)]]
+    normal = np.cross(item.orientation[:3], item.orientation[3:])
+    order = np.argsort(np.asarray(item.frames) @ normal, kind="stable")
+    places = np.round(np.asarray(item.frames)[order] @ normal, 2)
+    _, counts = np.unique(places, return_counts=True)
+    if len(set(counts.tolist())) > 1:
+        raise job.error("its frames do not lie on a regular stack; save it as single slices.")
+    sorted_frames = [replace(item, position=item.frames[n], frame=int(n)) for n in order]
+    return [sorted_frames[time :: counts[0]] for time in range(counts[0])]
+
+
+def _stack_geometry(job: Job, slices: list[Slice]) -> Geometry:
     first = slices[0]
     spacing = first.pixel_spacing
     if spacing is None:
@@ -184,7 +230,7 @@ def _stack_geometry(job: Job, slices: list[Slice]) -> tuple[Geometry, list[Slice
     matrix = np.c_[rows[0] * spacing[1], rows[1] * spacing[0], step]
     if not is_usable(matrix):
         raise job.error("its image orientation or spacing is unusable; the headers are damaged.")
-    return job.geometry(np.c_[matrix, start]), slices
+    return job.geometry(np.c_[matrix, start])
 
 
 def _step(job: Job, positions: npt.NDArray[np.float64], first: Slice) -> npt.NDArray[np.float64]:
@@ -229,42 +275,19 @@ def _stack(job: Job, slices: list[Slice]) -> npt.NDArray[Any]:
     return rescaled(array, first.slope, first.intercept) if later else array
 
 
-def _frames(job: Job, item: Slice) -> tuple[npt.NDArray[Any], Geometry]:
-    """Array and geometry of one multi-frame file."""
+def _frames(job: Job, item: Slice, frames: list[Slice]) -> npt.NDArray[Any]:
+    """Frames of one multi-frame file, in the order of their slices."""
     job.report(0.3, "reading frames")
     array = _gray(job, _pixels(job, item, rescale=True), item)
     if array.shape != (item.count, item.rows, item.columns):
         raise job.error("its pixels do not fit its header; the file is damaged.")
-    if len(item.frames) == item.count and item.orientation is not None:
-        normal = np.cross(item.orientation[:3], item.orientation[3:])
-        order = np.argsort(np.asarray(item.frames) @ normal, kind="stable")
-        places = np.round(np.asarray(item.frames)[order] @ normal, 2)
-        _, counts = np.unique(places, return_counts=True)
-        if len(set(counts.tolist())) == 1:
-            index = choose(job, "T", int(counts[0]))
-            order = order[index :: counts[0]]
-        else:
-            raise job.error("its frames do not lie on a regular stack; save it as single slices.")
-        array = np.ascontiguousarray(array[order])
-        positions = np.asarray(item.frames)[order]
-        geometry, _ = _stack_geometry(
-            job, [_at(item, (float(p[0]), float(p[1]), float(p[2]))) for p in positions]
-        )
-        return array, geometry
-    job.note("The header does not say where the frames lie; they are stacked in their order.")
-    geometry, _ = _stack_geometry(job, [_at(item, None)])
-    return array, geometry
-
-
-def _at(item: Slice, position: tuple[float, float, float] | None) -> Slice:
-    from dataclasses import replace
-
-    return replace(item, position=position)
+    numbers = [each.frame for each in frames]
+    return array if numbers == list(range(item.count)) else np.ascontiguousarray(array[numbers])
 
 
 def _gray(job: Job, pixels: npt.NDArray[Any], item: Slice) -> npt.NDArray[Any]:
     if item.samples in (3, 4) and pixels.ndim > 2 and pixels.shape[-1] == item.samples:
-        if job.hints.channel is None:
+        if job.channel is None:
             job.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
             return brightness(pixels)
         return np.asarray(pixels[..., choose(job, "S", item.samples)])

@@ -25,7 +25,7 @@ FOLDERS_DEEP = 6
 _TAGS = [
     "SeriesInstanceUID", "Modality", "InstanceNumber", "AcquisitionNumber", "TemporalPositionIdentifier",
     "EchoNumbers", "Rows", "Columns", "NumberOfFrames", "SamplesPerPixel", "BitsAllocated",
-    "PixelRepresentation", "PhotometricInterpretation",
+    "PixelRepresentation", "PhotometricInterpretation", "TriggerTime", "FrameReferenceTime",
     "ImagePositionPatient", "ImageOrientationPatient", "PixelSpacing", "ImagerPixelSpacing", "SliceThickness",
     "SpacingBetweenSlices", "RescaleSlope", "RescaleIntercept", "RescaleType", "Units",
     "SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence",
@@ -52,6 +52,10 @@ class Slice:
         Rescaling of the stored values.
     frames : tuple of positions
         Of a multi-frame file: positions of the frames, in their order; empty when not given.
+    time : float or None
+        Seconds from the start of the measurement or the last heartbeat, where the header says it.
+    frame : int
+        Number of the frame, in a slice that is one frame of its file.
     cut_off : bool
         The file ends before its pixels do.
     """
@@ -75,6 +79,8 @@ class Slice:
     intercept: float
     unit: str
     frames: tuple[Vector, ...] = ()
+    time: float | None = None
+    frame: int = 0
     cut_off: bool = False
 
 
@@ -169,6 +175,8 @@ def _slice(path: Path, header: Any, *, compressed: bool) -> Slice | None:
         for item in header.get("PerFrameFunctionalGroupsSequence", ())
         if (position := _position(_group(item, "PlanePositionSequence", 0))) is not None
     )
+    time = header.get("FrameReferenceTime")
+    milliseconds = _floats([header.get("TriggerTime") if time is None else time], 1)
     return Slice(
         path=path,
         series=str(header.get("SeriesInstanceUID", "")),
@@ -192,6 +200,7 @@ def _slice(path: Path, header: Any, *, compressed: bool) -> Slice | None:
         intercept=0.0 if intercept is None else float(intercept),
         unit=_unit(modality, header, find(values, "RescaleType"), scaled=slope is not None),
         frames=frames,
+        time=milliseconds[0] / 1000.0 if milliseconds else None,
     )  # fmt: skip
 
 

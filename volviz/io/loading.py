@@ -1,43 +1,97 @@
-"""`load`: from a path to a `Volume`, with one clear sentence for everything that can go wrong."""
+"""`open` and `load`: from a path to what it holds, with one clear sentence for everything that can go wrong."""
 
 from __future__ import annotations
 
 import os
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from volviz.io.reader import HEAD_BYTES, SAMPLE_PREFIX, Hints, Job
+from volviz.io.file_source import told_in_a_sentence
+from volviz.io.reader import HEAD_BYTES, PART, SAMPLE_PREFIX, Hints, Job
 from volviz.io.table import READERS
 
 if TYPE_CHECKING:
-    from volviz.io.reader import Cancel, Progress, Reader
+    from volviz.io.file_source import FileSource
+    from volviz.io.reader import Reader
     from volviz.model.volume import Volume
+    from volviz.volume_data.source import Cancel, Progress, VolumeSource
 
 
-def load(
+def open(  # noqa: A001 - what it does, as `volviz.open`
     path: str | os.PathLike[str],
     *,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
     **hints: Any,
-) -> Volume:
-    """Load a volume from a file, a DICOM folder or the bundled samples.
+) -> VolumeSource:
+    """Open a file, a DICOM folder or a bundled sample: say what it holds, and read parts of it when asked.
 
-    The world frame of every volume is LPS (x to the patient's left, y to posterior, z up), as in ITK and
-    DICOM; files in RAS (NIfTI, some NRRD) are turned.
+    Only headers are read, except of formats that have none at their beginning (legacy VTK files) and of
+    volumes that are computed. The world frame is LPS (x to the patient's left, y to posterior, z up), as in
+    ITK and DICOM; files in RAS (NIfTI, some NRRD) are turned.
 
     Parameters
     ----------
     path : str or path
         A file, a folder with DICOM slices, or ``"sample:<id>"`` (see `volviz.io.samples`).
     progress : callable(fraction, text), optional
+        Called with a fraction 0..1 while headers are read.
+    cancel : callable() -> bool, optional
+        Asked between headers; True stops the work.
+    **hints
+        See `volviz.io.Hints`: ``dims``, ``dtype``, ``endian``, ``header`` describe raw files; ``spacing``,
+        ``origin``, ``unit``, ``name`` replace what a file says; ``series`` chooses.
+
+    Returns
+    -------
+    VolumeSource
+        Axes, channels, times and geometry; its ``read(level, time, channel, box)`` gives a `Volume`.
+
+    Raises
+    ------
+    LoadError
+        The file is missing, unreadable, damaged, of an unknown format, or holds no volume.
+    InputError
+        A hint is unknown or unusable.
+    Cancelled
+    """
+    text = os.fspath(path)
+    given = Hints.from_keywords(hints)
+    if text.startswith(SAMPLE_PREFIX):
+        from volviz.io.samples import sample_source
+
+        return sample_source(Job(Path(text), given, progress=progress, cancel=cancel))
+    return open_file(Job(Path(text).expanduser(), given, progress=progress, cancel=cancel))
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    level: int = 0,
+    time: int | None = None,
+    channel: int | None = None,
+    box: Sequence[int] | None = None,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+    **hints: Any,
+) -> Volume:
+    """Load a volume from a file, a DICOM folder or the bundled samples: `open`, then read.
+
+    Parameters
+    ----------
+    path, **hints
+        As for `open`.
+    level, time, channel : int, optional
+        Which part of a larger file, counted from 0; default: the finest level, the first time point, and the
+        first channel or the brightness of colours.
+    box : sequence of 6 ints, optional
+        Voxels (i0, i1, j0, j1, k0, k1) to read, those of i1, j1 and k1 no more.
+    progress : callable(fraction, text), optional
         Called with a fraction 0..1 while the file is read.
     cancel : callable() -> bool, optional
         Asked between blocks and slices; True stops the loading.
-    **hints
-        See `volviz.io.Hints`: ``dims``, ``dtype``, ``endian``, ``header`` describe raw files; ``spacing``,
-        ``origin``, ``unit``, ``name`` replace what a file says; ``time``, ``channel``, ``series`` choose.
 
     Returns
     -------
@@ -51,46 +105,36 @@ def load(
     LoadError
         The file is missing, unreadable, damaged, of an unknown format, or holds no volume.
     InputError
-        A hint is unknown or unusable.
+        A hint is unknown or unusable, or the file has no such part.
     Cancelled
     """
-    text = os.fspath(path)
-    given = Hints.from_keywords(hints)
-    if text.startswith(SAMPLE_PREFIX):
-        from volviz.io.samples import sample
-
-        return sample(text.removeprefix(SAMPLE_PREFIX), progress=progress, cancel=cancel, **hints)
-    job = Job(Path(text).expanduser(), given, progress, cancel)
-    volume = read_file(job)
-    job.report(1.0, "ready")
+    source = open(path, progress=progress, cancel=cancel, **hints)
+    volume = source.read(level, 0 if time is None else time, channel, box, cancel, progress)
+    Job(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
     return volume
 
 
-def read_file(job: Job) -> Volume:
-    """Find the reader for a job and let it read; what the system complains about becomes one sentence."""
-    try:
-        return _reader_for(job).read(job)
-    except PermissionError:
-        raise job.error("you may not read it; change its permissions or copy it.") from None
-    except MemoryError:
-        raise job.error("it does not fit into memory; crop it or save it with fewer voxels.") from None
-    except OSError as error:
-        reason = (error.strerror or "unknown reason").lower()
-        raise job.error(f"the system cannot read it ({reason}); check disk and path.") from None
+def open_file(job: Job) -> FileSource:
+    """Find the reader for a job and let it open the file."""
+    with told_in_a_sentence(job):
+        return _reader_for(job).open(job)
 
 
 def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
     """What a file holds, as plain values that print and go into JSON.
 
-    The file is read completely, since range and damage show only then.
+    What `load` gives with these arguments is read completely, since range and damage show only then.
 
     Returns
     -------
     dict
         "name", "format", "source", "dims" (x, y, z), "dtype", "bytes", "spacing", "origin", "direction"
-        (9 values, row by row), "length_unit", "unit", "range", "nonfinite", "notes".
+        (9 values, row by row), "length_unit", "unit", "range", "nonfinite", "notes"; of the whole file "sizes"
+        (axis: size), "channels" (names) and "times" (seconds or None).
     """
-    volume = load(path, **hints)
+    chosen = {name: hints.pop(name) for name in PART if hints.get(name) is not None}
+    source = open(path, **{name: value for name, value in hints.items() if name not in PART})
+    volume = source.read(**chosen)
     low, high = volume.range
     return {
         "name": volume.name,
@@ -107,6 +151,9 @@ def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
         "range": [low, high],
         "nonfinite": volume.nonfinite_count,
         "notes": list(volume.metadata.get("notes", ())),
+        "sizes": source.sizes,
+        "channels": [channel.name for channel in source.channels] if "c" in source.axes else [],
+        "times": None if source.times is None else list(source.times),
     }
 
 

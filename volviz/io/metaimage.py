@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from volviz.io.axes import choose, to_zyx
+from volviz.io.file_source import file_source
 from volviz.io.geometry import is_usable
 from volviz.io.nrrd import FILES_AT_MOST, _numbered
 from volviz.io.reader import shortened, stem
-from volviz.io.stored import Stored, check_sizes, read_stored
+from volviz.io.stored import Stored, check_sizes, read_part
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from volviz.io.file_source import FileSource
     from volviz.io.reader import Job
-    from volviz.model.volume import Volume
 
 SUFFIXES = (".mha", ".mhd")
 
@@ -44,8 +44,8 @@ def sniff(head: bytes, _path: Path) -> bool:
     return re.match(rb"(?:\s*\w+\s*=[^\n]*\n)*?\s*(ObjectType|NDims)\s*=", head) is not None
 
 
-def read(job: Job) -> Volume:
-    """Read one volume; of a 4D file the chosen time point alone."""
+def open_source(job: Job) -> FileSource:
+    """What the header says; the fourth axis is time."""
     fields, end = _header(job)
     sizes = _sizes(job, fields)
     if not sizes or len(sizes) != _integer(job, fields, "NDims", len(sizes)):
@@ -69,12 +69,17 @@ def read(job: Job) -> Volume:
     axes = "TZYX"[4 - len(sizes) :]
     if channels > 1:
         axes += "S"
-    if axes[0] == "T" and len(stored.files) == 1 and stored.encoding != "text":
-        stored = stored.frame(choose(job, "T", stored.shape[0]))
-        axes = axes[1:]
-    array = to_zyx(read_stored(stored, job), axes, job)
-    geometry = job.geometry(_affine(job, fields, rank))
-    return job.volume(array, geometry, format="MetaImage", name=stem(job.path, SUFFIXES), length_unit="mm")
+    return file_source(
+        job,
+        lambda job: read_part(stored, axes, job),
+        axes,
+        stored.shape,
+        job.geometry(_affine(job, fields, rank)),
+        format="MetaImage",
+        name=stem(job.path, SUFFIXES),
+        dtype=stored.dtype,
+        length_unit="mm",
+    )
 
 
 def _header(job: Job) -> tuple[dict[str, str], int]:

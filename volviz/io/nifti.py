@@ -17,17 +17,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from volviz.io.axes import choose, to_zyx
+from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS, is_usable
 from volviz.io.reader import stem
 from volviz.io.scaling import rescaled
-from volviz.io.stored import Stored, check_sizes, read_stored
+from volviz.io.stored import Stored, check_sizes, read_part
+from volviz.volume_data.source import Channel
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from volviz.io.file_source import FileSource
     from volviz.io.reader import Job
-    from volviz.model.volume import Volume
 
 SUFFIXES = (".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz")
 
@@ -37,11 +38,15 @@ Order = Literal["<", ">"]
 _NIFTI1: dict[str, tuple[int, Any]] = {
     "dim": (40, ("i2", 8)),
     "datatype": (70, "i2"),
+    "intent_code": (68, "i2"),
     "pixdim": (76, ("f4", 8)),
     "vox_offset": (108, "f4"),
     "scl_slope": (112, "f4"),
     "scl_inter": (116, "f4"),
     "xyzt_units": (123, "u1"),
+    "cal_max": (124, "f4"),
+    "cal_min": (128, "f4"),
+    "toffset": (136, "f4"),
     "qform_code": (252, "i2"),
     "sform_code": (254, "i2"),
     "quatern": (256, ("f4", 3)),
@@ -55,12 +60,16 @@ _NIFTI2: dict[str, tuple[int, Any]] = {
     "vox_offset": (168, "i8"),
     "scl_slope": (176, "f8"),
     "scl_inter": (184, "f8"),
+    "cal_max": (192, "f8"),
+    "cal_min": (200, "f8"),
+    "toffset": (216, "f8"),
     "qform_code": (344, "i4"),
     "sform_code": (348, "i4"),
     "quatern": (352, ("f8", 3)),
     "qoffset": (376, ("f8", 3)),
     "srow": (400, ("f8", (3, 4))),
     "xyzt_units": (500, "i4"),
+    "intent_code": (504, "i4"),
 }
 _SIZES = {348: _NIFTI1, 540: _NIFTI2}
 
@@ -72,6 +81,9 @@ _COLOURS = {128: 3, 2304: 4}
 
 #: Millimetres per unit of length, by the lowest three bits of `xyzt_units`; 0 = not said, taken for mm.
 _MILLIMETRES = {0: 1.0, 1: 1000.0, 2: 1.0, 3: 0.001}
+#: Seconds per unit of time, by the next three bits.
+_SECONDS = {8: 1.0, 16: 1e-3, 24: 1e-6}
+_LABELS = 1002
 
 
 def sniff(head: bytes, path: Path) -> bool:
@@ -81,8 +93,8 @@ def sniff(head: bytes, path: Path) -> bool:
     return _layout(head) is not None
 
 
-def read(job: Job) -> Volume:
-    """Read one volume; of a 4D file the chosen time point alone."""
+def open_source(job: Job) -> FileSource:
+    """What the header says; the fourth axis is time, the fifth holds the components of a vector."""
     header_file, data_file = _files(job)
     head = _head(header_file, job)
     found = _layout(head)
@@ -116,20 +128,44 @@ def read(job: Job) -> Volume:
         encoding="gzip" if _is_gzip(file) else "raw",
     )
     check_sizes(stored, job)
-    # fifth dimension: components of a vector; fourth: time; anything beyond is taken at its first entry
-    for letter, axis in (("C", 7), ("C", 6), ("C", 5), ("T", 4)):
-        if rank >= axis:
-            count = sizes[axis - 1]
-            stored = stored.frame(choose(job, letter, count) if axis < 6 else 0)
-    axes = "ZYXS" if code in _COLOURS else "ZYX"
-    array = to_zyx(read_stored(stored, job), axes, job, colour=True)
-    if array.dtype.kind == "c":
-        job.note("Complex values are shown as their magnitude.")
-        array = np.abs(array)
-    elif code not in _COLOURS:
-        array = rescaled(array, float(header["scl_slope"]), float(header["scl_inter"]))
-    geometry = job.geometry(_affine(header, job))
-    return job.volume(array, geometry, format="NIfTI", name=stem(job.path, SUFFIXES), length_unit="mm")
+    # anything beyond the fifth axis is taken at its first entry
+    for _ in range(rank - 5):
+        stored = stored.frame(0)
+    axes = "CTZYX"[-max(3, min(rank, 5)) :] + ("S" if code in _COLOURS else "")
+
+    def values(job: Job) -> npt.NDArray[Any]:
+        array = read_part(stored, axes, job, colour=True)
+        if array.dtype.kind == "c":
+            job.note("Complex values are shown as their magnitude.")
+            array = np.abs(array)
+        elif code not in _COLOURS:
+            array = rescaled(array, float(header["scl_slope"]), float(header["scl_inter"]))
+        return array
+
+    low, high = float(header["cal_min"]), float(header["cal_max"])
+    return file_source(
+        job,
+        values,
+        axes,
+        stored.shape,
+        job.geometry(_affine(header, job)),
+        format="NIfTI",
+        name=stem(job.path, SUFFIXES),
+        colour=True,
+        channels=[Channel(window=(low, high))] if low < high < np.inf else (),
+        times=_times(header, sizes[3]) if rank > 3 else None,
+        is_labels=int(header["intent_code"]) == _LABELS,
+        length_unit="mm",
+    )
+
+
+def _times(header: dict[str, Any], count: int) -> list[float] | None:
+    """Seconds of the time points, None when the header gives no distance in a unit of time."""
+    unit = _SECONDS.get(int(header["xyzt_units"]) & 0x38)
+    step, start = float(header["pixdim"][4]), float(header["toffset"])
+    if unit is None or not 0.0 < step < np.inf or not np.isfinite(start):
+        return None
+    return [unit * (start + step * index) for index in range(count)]
 
 
 def affine(header: dict[str, Any]) -> npt.NDArray[np.float64] | None:
@@ -217,7 +253,8 @@ def _layout(head: bytes) -> tuple[dict[str, Any], Order] | None:
             # Analyze 7.5: what NIfTI uses for orientation and scaling holds other things there
             if size == 540 or not 1 <= header["dim"][0] <= 7:
                 continue
-            header.update(qform_code=0, sform_code=0, scl_slope=0.0, xyzt_units=0)
+            header.update(qform_code=0, sform_code=0, scl_slope=0.0, xyzt_units=0, intent_code=0)
+            header.update(cal_min=0.0, cal_max=0.0, toffset=0.0)
         return header, order
     return None
 

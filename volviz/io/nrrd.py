@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from volviz.io.axes import choose, to_zyx
+from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS, Geometry, is_usable, vector
 from volviz.io.reader import shortened, stem
-from volviz.io.stored import Encoding, Stored, check_sizes, read_stored
+from volviz.io.stored import Encoding, Stored, check_sizes, read_part
 
 if TYPE_CHECKING:
+    from volviz.io.file_source import FileSource
     from volviz.io.reader import Job
-    from volviz.model.volume import Volume
 
 SUFFIXES = (".nrrd", ".nhdr")
 
@@ -62,8 +62,8 @@ def sniff(head: bytes, _path: Path) -> bool:
     return re.match(rb"NRRD000[1-9]\r?\n", head) is not None
 
 
-def read(job: Job) -> Volume:
-    """Read one volume; of a list of volumes the chosen one."""
+def open_source(job: Job) -> FileSource:
+    """What the header says; a list of volumes is one of time points, or of channels."""
     fields, end = _header(job)
     try:
         sizes = [int(n) for n in fields["sizes"].split()]
@@ -95,13 +95,14 @@ def read(job: Job) -> Volume:
     check_sizes(stored, job)
     geometry, letters, colour = _axes(job, fields, sizes)
     axes = letters[::-1]
-    if axes[0] in "TC" and len(stored.files) == 1 and stored.encoding != "text":
-        stored = stored.frame(choose(job, axes[0], stored.shape[0]))
-        axes = axes[1:]
-    array = to_zyx(read_stored(stored, job), axes, job, colour=colour)
-    return job.volume(
-        array,
+    return file_source(
+        job,
+        lambda job: read_part(stored, axes, job, colour=colour),
+        axes,
+        stored.shape,
         geometry,
+        dtype=stored.dtype,
+        colour=colour,
         format="NRRD",
         name=stem(job.path, SUFFIXES),
         unit=_quoted(fields.get("sampleunits", "")),

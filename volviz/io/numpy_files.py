@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from volviz.io.axes import choose, to_zyx
+from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.reader import stem
-from volviz.io.stored import Stored, check_sizes, read_stored
+from volviz.io.stored import Stored, check_sizes, read_part
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import numpy.typing as npt
+
+    from volviz.io.file_source import FileSource
     from volviz.io.reader import Job
-    from volviz.model.volume import Volume
 
 SUFFIXES = (".npy",)
 
@@ -26,8 +28,8 @@ def sniff(head: bytes, _path: Path) -> bool:
     return head.startswith(b"\x93NUMPY")
 
 
-def read(job: Job) -> Volume:
-    """Read one volume; of a four-dimensional array one time point, or the brightness of its colours.
+def open_source(job: Job) -> FileSource:
+    """What the header says; arrays of four axes hold time points or colours.
 
     The last axis of a 4D array is taken for colours when it has 3 or 4 entries of 8 bits, otherwise the first
     axis is time.
@@ -41,18 +43,22 @@ def read(job: Job) -> Volume:
     axes = "ZYX"
     if rank == 4:
         axes = "ZYXS" if shape[-1] in (3, 4) and dtype == np.uint8 else "TZYX"
-    # in Fortran order the file holds the reversed array in C order
-    stored = Stored((job.path,), shape[::-1] if fortran else shape, dtype, offset=offset)
+    if fortran:
+        # the file holds the reversed array in C order
+        axes, shape = axes[::-1], shape[::-1]
+    stored = Stored((job.path,), shape, dtype, offset=offset)
     check_sizes(stored, job)
-    if axes[0] == "T" and not fortran:
-        stored = stored.frame(choose(job, "T", shape[0]))
-        axes = axes[1:]
-    array: Any = read_stored(stored, job)
-    array = to_zyx(array.transpose() if fortran else array, axes, job)
-    if array.dtype.kind == "c":
-        job.note("Complex values are shown as their magnitude.")
-        array = np.abs(array)
-    return job.volume(array, Geometry(), format="NumPy", name=stem(job.path, SUFFIXES))
+
+    def values(job: Job) -> npt.NDArray[Any]:
+        array = read_part(stored, axes, job)
+        if array.dtype.kind == "c":
+            job.note("Complex values are shown as their magnitude.")
+            array = np.abs(array)
+        return array
+
+    return file_source(
+        job, values, axes, shape, Geometry(), format="NumPy", name=stem(job.path, SUFFIXES), dtype=dtype
+    )
 
 
 def _header(job: Job) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.errors import InputError
+from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.reader import stem
-from volviz.io.stored import Stored, check_sizes, read_stored
+from volviz.io.stored import Stored, check_sizes, read_part
 
 if TYPE_CHECKING:
+    from volviz.io.file_source import FileSource
     from volviz.io.reader import Hints, Job
-    from volviz.model.volume import Volume
 
 SUFFIXES = (".raw", ".raw.gz", ".bin", ".dat")
 
@@ -44,8 +45,8 @@ def hints_from_name(name: str) -> tuple[tuple[int, int, int], str] | None:
     return (int(sizes[1]), int(sizes[2]), int(sizes[3])), _SYNONYMS.get(kind[1], kind[1])
 
 
-def read(job: Job) -> Volume:
-    """Read a raw file, plain or gzipped."""
+def open_source(job: Job) -> FileSource:
+    """A raw file, plain or gzipped, as it is described."""
     dims, dtype = _described(job)
     packed = _is_gzip(job.path)
     header = job.hints.header or 0
@@ -57,7 +58,15 @@ def read(job: Job) -> Volume:
     check_sizes(stored, job)
     if job.hints.spacing is None:
         job.note("A raw file does not say how far its voxels lie apart; 1 is taken along every axis.")
-    return job.volume(read_stored(stored, job), Geometry(), format="raw", name=stem(job.path, SUFFIXES))
+    return file_source(
+        job,
+        lambda job: read_part(stored, "ZYX", job),
+        "ZYX",
+        stored.shape,
+        Geometry(),
+        format="raw",
+        name=stem(job.path, SUFFIXES),
+    )
 
 
 def _described(job: Job) -> tuple[tuple[int, int, int], np.dtype[Any]]:

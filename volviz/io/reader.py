@@ -1,9 +1,9 @@
-"""What a reader is, and what it is told: path, hints, progress, cancelling."""
+"""What a reader is, and what it is told: path, hints, part, progress, cancelling."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,13 +12,15 @@ from volviz.errors import Cancelled, InputError, LoadError
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from volviz.io.file_source import FileSource
     from volviz.io.geometry import Geometry
-    from volviz.model.volume import Volume
+    from volviz.volume_data.source import Box, Cancel, Progress
 
-Progress = Callable[[float, str], object]
-Cancel = Callable[[], bool]
 
 SAMPLE_PREFIX = "sample:"
+
+#: What is chosen when values are read, not when a file is opened.
+PART = ("level", "time", "channel", "box")
 
 #: Bytes of a file that `Reader.sniff` is given.
 HEAD_BYTES = 4096
@@ -42,8 +44,6 @@ class Hints:
         Replace what the file says about spacing and origin, (x, y, z) in world units.
     unit, name : str
         Replace unit of the values and name of the volume.
-    time, channel : int
-        Time point and channel to take, counted from 0.
     series : str or int
         DICOM: series instance UID or number of the series in the folder, counted from 0.
         TIFF: number of the series in the file.
@@ -57,8 +57,6 @@ class Hints:
     origin: tuple[float, float, float] | None = None
     unit: str | None = None
     name: str | None = None
-    time: int | None = None
-    channel: int | None = None
     series: str | int | None = None
 
     @classmethod
@@ -67,14 +65,17 @@ class Hints:
         known = [f.name for f in fields(cls)]
         for name in keywords:
             if name not in known:
-                raise InputError(f"load knows no hint {name!r}; it takes {', '.join(known)}.")
+                if name in PART:
+                    raise InputError(
+                        f"{name} is chosen when values are read: volviz.open(...).read({name}=...)."
+                    )
+                raise InputError(f"reading knows no hint {name!r}; it takes {', '.join((*known, *PART))}.")
         values = {name: value for name, value in keywords.items() if value is not None}
         for name in ("dims", "spacing", "origin"):
             if name in values:
                 values[name] = _three(name, values[name], int if name == "dims" else float)
-        for name in ("header", "time", "channel"):
-            if name in values and not _is_integer(values[name]):
-                raise InputError(f"{name} must be an integer, got {values[name]!r}.")
+        if "header" in values and not _is_integer(values["header"]):
+            raise InputError(f"header must be an integer, got {values['header']!r}.")
         if "endian" in values and values["endian"] not in ("little", "big"):
             raise InputError(f"endian must be 'little' or 'big', got {values['endian']!r}.")
         return cls(**values)
@@ -82,13 +83,17 @@ class Hints:
 
 @dataclass(frozen=True)
 class Job:
-    """One call of `load`: what to read and whom to tell.
+    """One call of `open` or of a source's `read`: what is wanted and whom to tell.
 
     Attributes
     ----------
     path : Path
         File or folder.
     hints : Hints
+    time, channel : int or None
+        What is read, counted from 0; None where nobody has chosen.
+    box : tuple of 6 ints or None
+        Voxels (i0, i1, j0, j1, k0, k1) that are read, those of i1, j1 and k1 no more; None reads all.
     progress : callable(fraction, text) or None
         Told about the progress, fraction 0..1.
     cancel : callable() -> bool or None
@@ -99,6 +104,9 @@ class Job:
 
     path: Path
     hints: Hints = field(default_factory=Hints)
+    time: int | None = None
+    channel: int | None = None
+    box: Box | None = None
     progress: Progress | None = None
     cancel: Cancel | None = None
     notes: list[str] = field(default_factory=list)
@@ -115,47 +123,17 @@ class Job:
         if self.progress is not None:
             self.progress(min(max(fraction, 0.0), 1.0), text)
 
+    def within_slices(self) -> Job:
+        """The job for an array that holds the slices of the box alone."""
+        if self.box is None:
+            return self
+        i0, i1, j0, j1, first, last = self.box
+        return replace(self, box=(i0, i1, j0, j1, 0, last - first))
+
     def note(self, sentence: str) -> None:
         """Add a sentence for the user, once."""
         if sentence not in self.notes:
             self.notes.append(sentence)
-
-    def volume(
-        self,
-        array: npt.ArrayLike,
-        geometry: Geometry,
-        *,
-        format: str,  # noqa: A002 - the key of the metadata
-        name: str,
-        unit: str = "",
-        length_unit: str = "",
-        **metadata: Any,
-    ) -> Volume:
-        """The volume that was read, with the user's hints in place of what the file says.
-
-        Raises
-        ------
-        LoadError
-            `Volume` refuses the array or its geometry.
-        """
-        from volviz.model.volume import Volume
-
-        hints = self.hints
-        try:
-            return Volume(
-                array,
-                hints.spacing or geometry.spacing,
-                hints.origin or geometry.origin,
-                geometry.direction,
-                unit=unit if hints.unit is None else hints.unit,
-                name=hints.name or name,
-                metadata={
-                    "source": self.source, "format": format, "length_unit": length_unit,
-                    "notes": tuple(self.notes), **metadata,
-                },
-            )  # fmt: skip
-        except InputError as error:
-            raise LoadError(str(error)) from None
 
     @property
     def source(self) -> str:
@@ -196,14 +174,14 @@ class Reader:
     sniff : callable(head, path) -> bool
         Whether the first bytes of a file (`HEAD_BYTES` at most, decompressed if it is gzipped) are of this
         format.
-    read : callable(Job) -> Volume
-        Imports what it needs when called.
+    open : callable(Job) -> FileSource
+        Reads headers, as far as the format has any; imports what it needs when called.
     """
 
     name: str
     suffixes: tuple[str, ...]
     sniff: Callable[[bytes, Path], bool]
-    read: Callable[[Job], Volume]
+    open: Callable[[Job], FileSource]
 
     @property
     def dialog_filter(self) -> str:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from volviz.data_files import data_file
 from volviz.errors import InputError
 from volviz.io import generate
+from volviz.io.axes import to_zyx
+from volviz.io.file_source import FileSource, file_source
 from volviz.io.geometry import Geometry
-from volviz.io.reader import SAMPLE_PREFIX, Hints, Job
+from volviz.io.reader import SAMPLE_PREFIX
 
 if TYPE_CHECKING:
-    from volviz.io.reader import Cancel, Progress
+    from volviz.io.reader import Job
     from volviz.model.volume import Volume
+    from volviz.volume_data.source import VolumeSource
 
 _MNI = "MNI licence: free use and redistribution with its notice"
 
@@ -144,17 +146,13 @@ def default_sample() -> Sample:
     return _SAMPLES[0]
 
 
-def sample(
-    identifier: str, /, *, progress: Progress | None = None, cancel: Cancel | None = None, **hints: Any
-) -> Volume:
-    """Load a sample.
+def sample_source(job: Job) -> VolumeSource:
+    """Open a sample.
 
     Parameters
     ----------
-    identifier : str
-        Id of the sample.
-    progress, cancel, **hints
-        As for `volviz.load`.
+    job : Job
+        With the path ``sample:<id>``.
 
     Raises
     ------
@@ -163,26 +161,27 @@ def sample(
     LoadError
         Its file is missing from the installation.
     """
+    identifier = str(job.path).removeprefix(SAMPLE_PREFIX)
     found = next((s for s in _SAMPLES if s.id == identifier), None)
     if found is None:
         raise InputError(f"there is no sample {identifier!r}; there are {', '.join(s.id for s in _SAMPLES)}.")
-    given = Hints.from_keywords({"name": found.label, **hints})
-    job = Job(Path(SAMPLE_PREFIX + found.id), given, progress, cancel)
+    if job.hints.name is None:
+        job = replace(job, hints=replace(job.hints, name=found.label))
     if found.file is None:
         made = _GENERATED[found.id](job.report)
-        geometry = Geometry.from_affine(made.index_to_world)
-        volume = job.volume(made.array, geometry, format="generated", name=found.label)
-    else:
-        from volviz.io.loading import read_file
-
-        read = read_file(Job(data_file(*found.file.split("/")), given, progress, cancel, job.notes))
-        volume = job.volume(
-            read.array,
-            Geometry.from_affine(read.index_to_world),
-            format=read.metadata["format"],
+        return file_source(
+            job,
+            lambda job: to_zyx(made.array, "ZYX", job),
+            "ZYX",
+            made.array.shape,
+            Geometry.from_affine(made.index_to_world),
+            format="generated",
             name=found.label,
-            unit=read.unit or ("HU" if found.modality == "CT" else ""),
-            length_unit="mm",
         )
-    job.report(1.0, "ready")
-    return volume
+    from volviz.io.loading import open_file
+
+    opened = open_file(replace(job, path=data_file(*found.file.split("/"))))
+    said = opened.description
+    unit = said.unit or ("HU" if found.modality == "CT" and job.hints.unit is None else "")
+    described = replace(said, unit=unit, metadata={**said.metadata, "source": job.source})
+    return FileSource(opened.job, described, opened.values)

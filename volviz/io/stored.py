@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from volviz.io.axes import choose, to_zyx
 from volviz.io.memory import check_memory
 
 if TYPE_CHECKING:
@@ -72,15 +73,25 @@ class Stored:
         """Bytes of all values."""
         return math.prod(self.shape) * self.dtype.itemsize
 
+    @property
+    def is_divisible(self) -> bool:
+        """Whether a part can be found without what lies before: the values are one run of bytes."""
+        return len(self.files) == 1 and self.encoding != "text"
+
     def frame(self, index: int) -> Stored:
         """One entry along the slowest axis alone: the only part that is read of a 4D file."""
-        if len(self.files) > 1 or self.encoding == "text":
-            raise ValueError("only a single run of bytes has frames")
+        one = self.entries(index, index + 1)
+        return replace(one, shape=one.shape[1:])
+
+    def entries(self, first: int, last: int) -> Stored:
+        """Those from `first` to before `last` along the slowest axis."""
+        if not self.is_divisible:
+            raise ValueError("only a single run of bytes has entries")
         size = math.prod(self.shape[1:]) * self.dtype.itemsize
         offset = self.offset
         if offset < 0:
             offset = self.files[0].stat().st_size - self.nbytes
-        return replace(self, shape=self.shape[1:], offset=offset + index * size, whole=False)
+        return replace(self, shape=(last - first, *self.shape[1:]), offset=offset + first * size, whole=False)
 
 
 def check_sizes(stored: Stored, job: Job) -> None:
@@ -155,6 +166,29 @@ def read_stored(stored: Stored, job: Job) -> npt.NDArray[Any]:
             _fill_unpacked(target, file, stored, job)
     job.report(1.0)
     return array
+
+
+def read_part(stored: Stored, axes: str, job: Job, *, colour: bool | None = None) -> npt.NDArray[Any]:
+    """The time point, channel and box that a job asks for, shape (z, y, x).
+
+    Only what is wanted is read of axes that come before the slices, and of the slices themselves, as long as
+    the values are one run of bytes; of compressed ones, what lies before is unpacked and forgotten.
+
+    Parameters
+    ----------
+    stored : Stored
+    axes : str
+        One letter for each axis of `stored`, the slowest first; see `to_zyx`, also for `colour`.
+    """
+    while axes[0] in "TC" and stored.is_divisible:
+        stored = stored.frame(choose(job, axes[0], stored.shape[0]))
+        if axes[0] == "C":
+            job = replace(job, channel=None)
+        axes = axes[1:]
+    if axes[0] == "Z" and job.box is not None and stored.is_divisible:
+        stored = stored.entries(*job.box[4:])
+        job = job.within_slices()
+    return to_zyx(read_stored(stored, job), axes, job, colour=colour)
 
 
 def _fill_plain(

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import os
 import re
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from volviz.io.axes import choose, to_zyx
+from volviz.io.file_source import file_source
 from volviz.io.reader import stem
+from volviz.volume_data.source import Channel
 from volviz.vtk_messages import vtk_complaints
 
 if TYPE_CHECKING:
@@ -20,8 +23,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from volviz.io.file_source import FileSource
     from volviz.io.reader import Job
-    from volviz.model.volume import Volume
 
 SUFFIXES = (".vti", ".vtk")
 
@@ -36,8 +39,23 @@ def sniff(head: bytes, _path: Path) -> bool:
     )
 
 
-def read(job: Job) -> Volume:
-    """Read one volume."""
+@dataclass(frozen=True)
+class _Header:
+    """What there is in an image: its lattice, and the arrays at its points, or else at its cells."""
+
+    extent: tuple[int, ...]
+    spacing: tuple[float, ...]
+    origin: tuple[float, ...]
+    direction: npt.NDArray[np.float64]
+    is_cell: bool
+    #: Name and number of components of each array.
+    arrays: tuple[tuple[str, int], ...]
+    active: int | None
+    dtype: npt.DTypeLike | None
+
+
+def open_source(job: Job) -> FileSource:
+    """What the header says. The arrays of a legacy file lie one after another without a list: it is read as a whole."""
     with job.path.open("rb") as stream:
         head = stream.read(4096)
     if not sniff(head, job.path):
@@ -45,37 +63,44 @@ def read(job: Job) -> Volume:
     legacy = head.startswith(b"#")
     _check(job, head, legacy=legacy)
     job.report(0.0)
-    image = _image(job, legacy=legacy)
-    job.report(0.9)
-    dimensions = image.GetDimensions()
-    data, is_cell = image.GetPointData(), False
-    values = _values(job, data)
-    origin_index = np.array(image.GetExtent()[::2], float)
-    if values is None:
-        data, is_cell = image.GetCellData(), True
-        values = _values(job, data)
-        dimensions = tuple(max(n - 1, 1) for n in dimensions)
-        # the value of a cell lies in its middle
-        origin_index += 0.5
-    if values is None:
+    image = _image(job, legacy=True) if legacy else None
+    header = _header_of_image(image) if legacy else _header_of_xml(job)
+    if not header.arrays:
         raise job.error(
             "the VTK file holds no numbers at its points or cells; save it with an array of scalars."
         )
-    array, name, components = values
-    if array.shape[0] != int(np.prod(dimensions, dtype=np.int64)):
-        raise job.error("its values do not fit its dimensions; the file is damaged or cut off.")
-    if is_cell:
+    dimensions = [high - low + 1 for low, high in zip(header.extent[::2], header.extent[1::2], strict=True)]
+    start_index = np.array(header.extent[::2], float)
+    if header.is_cell:
         job.note("The values belong to cells; they are shown at the middles of the cells.")
-    shaped = array.reshape(*dimensions[::-1], *((components,) if components > 1 else ()))
-    scalars = to_zyx(shaped, "ZYXS" if components > 1 else "ZYX", job)
-    direction = np.array([[image.GetDirectionMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])
+        dimensions = [max(n - 1, 1) for n in dimensions]
+        # the value of a cell lies in its middle
+        start_index += 0.5
     # numbers that are not finite are refused below
     with np.errstate(over="ignore", invalid="ignore"):
-        matrix = direction * np.asarray(image.GetSpacing())
-        start = np.asarray(image.GetOrigin()) + matrix @ origin_index
-    geometry = job.geometry(np.c_[matrix, start])
-    # the array may still belong to VTK, which frees it with the image
-    return job.volume(np.array(scalars), geometry, format="VTK", name=stem(job.path, SUFFIXES), field=name)
+        matrix = header.direction * np.asarray(header.spacing)
+        start = np.asarray(header.origin) + matrix @ start_index
+    shape = tuple(dimensions[::-1])
+    count, components = len(header.arrays), header.arrays[0][1]
+    letter = "C" if count > 1 else "S"
+
+    def values(job: Job) -> npt.NDArray[Any]:
+        read = image if image is not None else _image(job, legacy=False)
+        job.report(0.9)
+        return _values(job, read, header, shape)
+
+    return file_source(
+        job,
+        values,
+        "ZYX" + letter,
+        (*shape, count if count > 1 else components),
+        job.geometry(np.c_[matrix, start]),
+        format="VTK",
+        name=stem(job.path, SUFFIXES),
+        dtype=header.dtype,
+        channels=[Channel(name) for name, _ in header.arrays] if count > 1 else (),
+        field=header.arrays[header.active or 0][0],
+    )
 
 
 def _check(job: Job, head: bytes, *, legacy: bool) -> None:
@@ -105,6 +130,72 @@ def _check(job: Job, head: bytes, *, legacy: bool) -> None:
     voxels = counts[0] * counts[1] * counts[2]
     if voxels > job.path.stat().st_size * (1 if legacy else PACKING):
         raise job.error(f"the file is cut off: its header promises {voxels:,} voxels, more than it can hold.")
+
+
+def _header_of_image(image: Any) -> _Header:
+    """The header of an image that was read."""
+    matrix = image.GetDirectionMatrix()
+    is_cell = not _arrays(image.GetPointData())
+    data = image.GetCellData() if is_cell else image.GetPointData()
+    arrays, active = _arrays(data), data.GetScalars()
+    return _Header(
+        image.GetExtent(),
+        image.GetSpacing(),
+        image.GetOrigin(),
+        np.array([[matrix.GetElement(i, j) for j in range(3)] for i in range(3)]),
+        is_cell,
+        tuple((a.GetName() or "", int(a.GetNumberOfComponents())) for a in arrays),
+        next((n for n, a in enumerate(arrays) if a is active), None),
+        _dtype(arrays[0].GetDataType()) if arrays else None,
+    )
+
+
+def _header_of_xml(job: Job) -> _Header:
+    """The header of an XML file, without its values."""
+    from vtkmodules.vtkCommonDataModel import vtkDataObject as Data
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+    from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+
+    reader = vtkXMLImageDataReader()
+    with vtk_complaints() as complaints:
+        # as bytes: a name on Linux need not be text
+        reader.SetFileName(os.fsencode(job.path))
+        reader.UpdateInformation()
+    information = reader.GetOutputInformation(0)
+    extent = information.Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT())
+    if complaints.GetOutput() or extent is None:
+        raise job.error("VTK cannot read it; the file is damaged, cut off or of an unusual kind.")
+
+    def listed(key: Any) -> list[Any]:
+        entries = information.Get(key)
+        count = 0 if entries is None else entries.GetNumberOfInformationObjects()
+        found = [entries.GetInformationObject(n) for n in range(count)]
+        return [each for each in found if _dtype(each.Get(Data.FIELD_ARRAY_TYPE())) is not None]
+
+    at_points = listed(Data.POINT_DATA_VECTOR())
+    arrays = at_points or listed(Data.CELL_DATA_VECTOR())
+    return _Header(
+        extent,
+        information.Get(Data.SPACING()) or (1.0, 1.0, 1.0),
+        information.Get(Data.ORIGIN()) or (0.0, 0.0, 0.0),
+        np.reshape(information.Get(Data.DIRECTION()) or np.eye(3), (3, 3)),
+        not at_points,
+        tuple(
+            (each.Get(Data.FIELD_NAME()) or "", int(each.Get(Data.FIELD_NUMBER_OF_COMPONENTS()) or 1))
+            for each in arrays
+        ),
+        # the lowest bit: active scalars (vtkDataSetAttributes::SCALARS)
+        next((n for n, a in enumerate(arrays) if int(a.Get(Data.FIELD_ACTIVE_ATTRIBUTE()) or 0) & 1), None),
+        _dtype(arrays[0].Get(Data.FIELD_ARRAY_TYPE())) if arrays else None,
+    )
+
+
+def _dtype(kind: int) -> npt.DTypeLike | None:
+    """Type of VTK's arrays of numbers, None for texts and bits."""
+    from vtkmodules.util.numpy_support import get_vtk_to_numpy_typemap
+
+    found: npt.DTypeLike | None = get_vtk_to_numpy_typemap().get(kind)
+    return found
 
 
 def _image(job: Job, *, legacy: bool) -> Any:
@@ -139,23 +230,30 @@ def _image(job: Job, *, legacy: bool) -> Any:
     return image
 
 
-def _values(job: Job, data: Any) -> tuple[npt.NDArray[Any], str, int] | None:
-    """The active scalars, else the first array of numbers: values, name, number of components."""
+def _arrays(data: Any) -> list[Any]:
+    """Arrays of numbers at points or cells."""
+    found = [data.GetArray(n) for n in range(data.GetNumberOfArrays())]
+    return [array for array in found if array is not None and array.GetNumberOfTuples()]
+
+
+def _values(job: Job, image: Any, header: _Header, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+    """The array that is asked for, else the active scalars, else the first one."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
-    names = [data.GetArrayName(n) or "" for n in range(data.GetNumberOfArrays())]
-    arrays = [data.GetArray(n) for n in range(data.GetNumberOfArrays())]
-    usable = [
-        (name, a) for name, a in zip(names, arrays, strict=True) if a is not None and a.GetNumberOfTuples()
-    ]
-    if not usable:
-        return None
-    active = data.GetScalars()
-    index = next((n for n, (_, a) in enumerate(usable) if a is active), 0)
-    if len(usable) > 1:
-        if active is None or job.hints.channel is not None:
-            index = choose(job, "C", len(usable))
-        shown = ", ".join(f"{n}: {name}" for n, (name, _) in enumerate(usable[:8]))
-        job.note(f"The file holds {len(usable)} arrays ({shown}); {usable[index][0]} is shown.")
-    name, array = usable[index]
-    return vtk_to_numpy(array), name, int(array.GetNumberOfComponents())
+    arrays = _arrays(image.GetCellData() if header.is_cell else image.GetPointData())
+    if len(arrays) != len(header.arrays):
+        raise job.error("some of its arrays cannot be read; the file is damaged or cut off.")
+    index = header.active or 0
+    if len(arrays) > 1:
+        if header.active is None or job.channel is not None:
+            index = choose(job, "C", len(arrays))
+        shown = ", ".join(f"{n}: {name}" for n, (name, _) in enumerate(header.arrays[:8]))
+        job.note(f"The file holds {len(arrays)} arrays ({shown}); {header.arrays[index][0]} is shown.")
+        job = replace(job, channel=None)
+    components = int(arrays[index].GetNumberOfComponents())
+    array = vtk_to_numpy(arrays[index])
+    if array.shape[0] != int(np.prod(shape, dtype=np.int64)):
+        raise job.error("its values do not fit its dimensions; the file is damaged or cut off.")
+    shaped = array.reshape(*shape, *((components,) if components > 1 else ()))
+    # the array may still belong to VTK, which frees it with the image
+    return np.array(to_zyx(shaped, "ZYXS" if components > 1 else "ZYX", job))

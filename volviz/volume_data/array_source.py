@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from volviz.errors import InputError
 from volviz.model.volume import Volume, checked_direction
-from volviz.volume_data.source import AXES, Box, Cancel, Channel, Description, Level, Statistics, VolumeSource
+from volviz.volume_data.source import AXES, Channel, Description, Level, ReadRequest, Statistics, VolumeSource
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -81,6 +81,7 @@ class ArraySource(VolumeSource):
             (origin[0], origin[1], origin[2]),
             (tuple(first), tuple(second), tuple(third)),
         )
+        metadata = {} if self._volume is None else self._volume.metadata
         super().__init__(
             Description(
                 (level,),
@@ -91,8 +92,8 @@ class ArraySource(VolumeSource):
                 is_labels=is_labels,
                 name=name,
                 unit=unit,
-                metadata={} if self._volume is None else self._volume.metadata,
-                length_unit="" if self._volume is None else str(self._volume.metadata.get("length_unit", "")),
+                metadata=metadata,
+                length_unit=str(metadata.get("length_unit", "")),
             )
         )
 
@@ -100,24 +101,16 @@ class ArraySource(VolumeSource):
         """Range of the values; it is counted once for each channel and time point that is in use."""
         return Statistics(*self.read(0, time, channel).range)
 
-    def read_volume(
-        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
-    ) -> Volume:
-        """The volume itself where all of it is asked for."""
-        if self._volume is not None and box is None:
+    def read_volume(self, request: ReadRequest) -> Volume:
+        """A view of the array, or the volume itself; nothing is copied."""
+        if self._volume is not None and request.box is None:
             return self._volume
-        return super().read_volume(level, time, channel, box, cancel)
-
-    def read_array(
-        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
-    ) -> npt.NDArray[Any]:
-        """A view of the array; nothing is copied."""
         array = self._array
         if "t" in self._has:
-            array = array[time]
+            array = array[request.time]
         if "c" in self._has:
-            array = array[channel or 0]
-        if box is not None:
-            i0, i1, j0, j1, k0, k1 = box
+            array = array[request.channel or 0]
+        if request.box is not None:
+            i0, i1, j0, j1, k0, k1 = request.box
             array = array[k0:k1, j0:j1, i0:i1]
-        return array
+        return self.placed(array, request)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 Box = tuple[int, int, int, int, int, int]
 Cancel = Callable[[], bool]
+Progress = Callable[[float, str], object]
 Color = tuple[float, float, float]
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
@@ -117,6 +118,18 @@ class Statistics:
 
 
 @dataclass(frozen=True)
+class ReadRequest:
+    """What a source is asked to read, checked; see `VolumeSource.read`."""
+
+    level: int = 0
+    time: int = 0
+    channel: int | None = None
+    box: Box | None = None
+    cancel: Cancel | None = None
+    progress: Progress | None = None
+
+
+@dataclass(frozen=True)
 class Description:
     """What the header of a file says about its data.
 
@@ -170,7 +183,7 @@ class Description:
 class VolumeSource(ABC):
     """Data that can be read in parts: a file, an array in memory, or anything that a program makes.
 
-    A subclass says what there is by a `Description`, and reads in `read_array`; the arguments are checked
+    A subclass says what there is by a `Description` and reads in `read_volume`; what is asked for was checked
     before. Attributes and methods may be used from any thread.
 
     Parameters
@@ -274,6 +287,7 @@ class VolumeSource(ABC):
         channel: int | None = None,
         box: Sequence[int] | None = None,
         cancel: Cancel | None = None,
+        progress: Progress | None = None,
     ) -> Volume:
         """Read one channel at one time point, or a part of it.
 
@@ -291,6 +305,8 @@ class VolumeSource(ABC):
             each axis; None reads all.
         cancel : callable() -> bool, optional
             Asked now and then; True stops the reading.
+        progress : callable(fraction, text), optional
+            Told of the progress, fraction 0..1.
 
         Returns
         -------
@@ -310,23 +326,27 @@ class VolumeSource(ABC):
         part = None if box is None else checked_box(box, self.levels[level].dimensions, self.name)
         if cancel is not None and cancel():
             raise Cancelled(f"{self.name}: reading was cancelled.")
+        request = ReadRequest(level, time, channel, part, cancel, progress)
         if part is not None:
-            return self.read_volume(level, time, channel, part, cancel)
+            return self.read_volume(request)
+        key = level, time, channel
         with self._lock:
-            alive = self._alive.get((level, time, channel))
+            alive = self._alive.get(key)
         if alive is not None:
             return alive
-        volume = self.read_volume(level, time, channel, None, cancel)
+        volume = self.read_volume(request)
         with self._lock:
             # another thread may have been faster: all get the same object
-            return self._alive.setdefault((level, time, channel), volume)
+            return self._alive.setdefault(key, volume)
 
-    def read_volume(
-        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
-    ) -> Volume:
-        """`read` with checked arguments: the values of `read_array` with their geometry."""
-        array = self.read_array(level, time, channel, box, cancel)
-        lattice = self.levels[level] if box is None else self.levels[level].part(box)
+    @abstractmethod
+    def read_volume(self, request: ReadRequest) -> Volume:
+        """What is asked for: values of shape (z, y, x) as `placed` makes a volume of them."""
+
+    def placed(self, array: npt.ArrayLike, request: ReadRequest, **metadata: Any) -> Volume:
+        """Values that were read, shape (z, y, x), with the geometry of their level or box."""
+        level = self.levels[request.level]
+        lattice = level if request.box is None else level.part(request.box)
         return Volume(
             array,
             lattice.spacing,
@@ -334,14 +354,8 @@ class VolumeSource(ABC):
             lattice.direction,
             unit=self.unit,
             name=self.name,
-            metadata={"length_unit": self.description.length_unit, **self.metadata},
+            metadata={**self.metadata, **metadata},
         )
-
-    @abstractmethod
-    def read_array(
-        self, level: int, time: int, channel: int | None, box: Box | None, cancel: Cancel | None
-    ) -> npt.NDArray[Any]:
-        """The values, shape (z, y, x), of one channel at one time point; the arguments are within what there is."""
 
     def _checked(self, level: int, time: int, channel: int | None) -> tuple[int, int, int | None]:
         sizes = self.sizes

@@ -8,7 +8,7 @@ import pytest
 from volviz.data_files import data_file
 from volviz.errors import Cancelled, InputError
 from volviz.io import generate, info, load
-from volviz.io.samples import default_sample, sample, samples
+from volviz.io.samples import default_sample, samples
 
 
 @pytest.mark.parametrize("item", samples(), ids=lambda item: item.id)
@@ -51,7 +51,7 @@ def test_bundled_volumes_are_small_and_their_origin_is_written_down():
 
 
 def test_the_chest_is_in_hounsfield_units_with_lungs_of_air():
-    volume = sample("ct-chest")
+    volume = load("sample:ct-chest")
     assert volume.unit == "HU"
     values, counts = np.unique(volume.array // 50 * 50, return_counts=True)
     around = dict(zip(values.tolist(), counts.tolist(), strict=True))
@@ -62,7 +62,7 @@ def test_the_chest_is_in_hounsfield_units_with_lungs_of_air():
 
 def test_heads_look_to_the_front():
     """In LPS, y grows to the back: low slices hold the cerebellum there, and nothing in front."""
-    volume = sample("mri-brain")
+    volume = load("sample:mri-brain")
     _, y, x = (n // 2 for n in volume.array.shape)
     low = volume.array[30:50, :, x - 20 : x + 20] > 60
     positions = np.array([(volume.index_to_world @ (0, j, 0, 1))[1] for j in range(volume.array.shape[1])])

@@ -15,7 +15,15 @@ from volviz.errors import Cancelled, InputError
 from volviz.model.volume import Volume
 from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import content_id
-from volviz.volume_data.source import Channel, Description, Label, Level, Statistics, VolumeSource
+from volviz.volume_data.source import (
+    Channel,
+    Description,
+    Label,
+    Level,
+    ReadRequest,
+    Statistics,
+    VolumeSource,
+)
 
 TURNED = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
 
@@ -130,17 +138,18 @@ class Pyramid(VolumeSource):
             )
         )  # fmt: skip
 
-    def read_array(self, level, time, channel, box, cancel):
-        self.reads.append((level, time, channel, box))
-        lattice = self.levels[level] if box is None else self.levels[level].part(box)
+    def read_volume(self, request: ReadRequest) -> Volume:
+        self.reads.append((request.level, request.time, request.channel, request.box))
+        level = self.levels[request.level]
+        lattice = level if request.box is None else level.part(request.box)
         x, y, z = (
             o + s * np.arange(n)
             for o, s, n in zip(lattice.origin, lattice.spacing, lattice.dimensions, strict=True)
         )
         field = x + 10 * y[:, None] + 100 * z[:, None, None]
-        if cancel is not None and cancel():
+        if request.cancel is not None and request.cancel():
             raise Cancelled("stopped")
-        return field + 1e4 * time + 1e5 * (channel or 0)
+        return self.placed(field + 1e4 * request.time + 1e5 * (request.channel or 0), request)
 
 
 def test_levels_have_a_geometry_of_their_own():

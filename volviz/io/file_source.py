@@ -1,0 +1,146 @@
+"""A volume in a file: what its header said, and the way to its values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from volviz.errors import InputError, LoadError
+from volviz.io.axes import are_colours
+from volviz.model.volume import Volume, check_dimensions, checked_direction, checked_spacing
+from volviz.volume_data.references import content_id
+from volviz.volume_data.source import Channel, Description, Level, ReadRequest, VolumeSource
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from volviz.io.geometry import Geometry
+    from volviz.io.reader import Job
+
+_COLOURS = (
+    Channel("red", (1.0, 0.0, 0.0)), Channel("green", (0.0, 1.0, 0.0)), Channel("blue", (0.0, 0.0, 1.0)),
+    Channel("alpha"),
+)  # fmt: skip
+
+Values = Callable[["Job"], "npt.NDArray[Any]"]
+
+
+class FileSource(VolumeSource):
+    """What a reader makes of a file whose header it has read; every `read` goes to the file.
+
+    Parameters
+    ----------
+    job : Job
+        What was opened; its hints take the place of what the file says, its notes come with every volume.
+    description : Description
+    values : callable(Job) -> ndarray of shape (z, y, x)
+        Reads the time point, channel and box of a job, from any thread.
+    """
+
+    def __init__(self, job: Job, description: Description, values: Values) -> None:
+        super().__init__(description)
+        self.job = job
+        self.values = values
+
+    def read_volume(self, request: ReadRequest) -> Volume:
+        """The values with their geometry, and with what was noted at opening and reading."""
+        job = replace(
+            self.job, time=request.time or None, channel=request.channel, box=request.box,
+            progress=request.progress, cancel=request.cancel, notes=list(self.job.notes),
+        )  # fmt: skip
+        with told_in_a_sentence(job):
+            array = self.values(job)
+        try:
+            return self.placed(array, request, notes=tuple(job.notes))
+        except InputError as error:
+            raise LoadError(str(error)) from None
+
+
+@contextmanager
+def told_in_a_sentence(job: Job) -> Iterator[None]:
+    """What the system complains about while a file is opened or read becomes one sentence."""
+    try:
+        yield
+    except PermissionError:
+        raise job.error("you may not read it; change its permissions or copy it.") from None
+    except MemoryError:
+        raise job.error("it does not fit into memory; crop it or save it with fewer voxels.") from None
+    except OSError as error:
+        reason = (error.strerror or "unknown reason").lower()
+        raise job.error(f"the system cannot read it ({reason}); check disk and path.") from None
+
+
+def file_source(
+    job: Job,
+    values: Values,
+    axes: str,
+    shape: Sequence[int],
+    geometry: Geometry,
+    *,
+    format: str,  # noqa: A002 - the key of the metadata
+    name: str,
+    dtype: npt.DTypeLike | None = None,
+    colour: bool | None = None,
+    channels: Sequence[Channel] = (),
+    times: Sequence[float] | None = None,
+    is_labels: bool = False,
+    unit: str = "",
+    length_unit: str = "",
+    **metadata: Any,
+) -> FileSource:
+    """The source that a reader gives.
+
+    Parameters
+    ----------
+    job : Job
+    values : callable(Job) -> ndarray of shape (z, y, x)
+    axes : str
+        One letter for each entry of `shape`: "Z", "Y", "X", "T" (time), "C" (channel), "S" (component).
+        Axes of time or channels with one entry are none.
+    geometry : Geometry
+        Of the finest level, as the file says it.
+    dtype, colour
+        Decide whether components are colours (see `to_zyx`).
+    channels, times, is_labels, unit, length_unit
+        As in `Description`; channels that do not fit the axes are left out.
+
+    Raises
+    ------
+    LoadError
+        `Volume` would refuse the sizes or the geometry.
+    """
+    hints = job.hints
+    sizes = dict(zip(axes, (int(n) for n in shape), strict=True))
+    letter = "C" if "C" in sizes else "S"
+    count, time_count = (n if n is not None and n > 1 else None for n in (sizes.get(letter), sizes.get("T")))
+    if letter == "S" and are_colours(axes, tuple(shape), dtype, colour):
+        channels = _COLOURS[:count]
+    dimensions = sizes["X"], sizes["Y"], sizes.get("Z", 1)
+    called = hints.name or name
+    try:
+        check_dimensions(dimensions, called)
+        spacing = checked_spacing(hints.spacing or geometry.spacing, called)
+        first, second, third = checked_direction(geometry.direction, called).tolist()
+        origin = hints.origin or geometry.origin
+        level = Level(dimensions, spacing, origin, (tuple(first), tuple(second), tuple(third)))
+    except InputError as error:
+        raise LoadError(str(error)) from None
+    description = Description(
+        (level,),
+        time_count,
+        count,
+        times=tuple(times) if times is not None and len(times) == time_count else None,
+        channels=tuple(channels) if len(channels) == (count or 1) else (),
+        is_labels=is_labels,
+        name=called,
+        unit=unit if hints.unit is None else hints.unit,
+        length_unit=length_unit,
+        content_id=content_id(str(job.path)),
+        metadata={
+            "source": job.source, "format": format, "length_unit": length_unit,
+            "notes": tuple(job.notes), **metadata,
+        },
+    )  # fmt: skip
+    return FileSource(job, description, values)
