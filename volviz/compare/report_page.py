@@ -10,7 +10,6 @@ from html import escape
 from pathlib import Path
 
 from volviz.compare.convergence import LEVELS, Convergence
-from volviz.compare.mesh_metrics import MeshMetrics
 from volviz.compare.pictures import Difference, color_table
 from volviz.compare.plots import convergence_plot, times_plot
 from volviz.compare.report_distances import distances, length_unit
@@ -27,6 +26,7 @@ from volviz.compare.report_html import (
 from volviz.compare.report_overview import overview
 from volviz.compare.results import Comparison, PairResult, SideResult
 from volviz.compare.timing import ratio
+from volviz.kernels.mesh_metrics import MeshMetrics
 from volviz.model.parameters import value_text
 
 STYLE = Path(__file__).with_name("report_page.css")

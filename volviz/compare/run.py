@@ -16,7 +16,6 @@ from volviz.compare.distance_map import distance_figures, distance_maps
 from volviz.compare.distance_pictures import DistancePictures, distance_pictures
 from volviz.compare.machine import machine_facts, version_facts
 from volviz.compare.matching import MatchedSide, match_sides, settings_differences
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
 from volviz.compare.pictures import (
     COLORED_SHARE,
@@ -34,6 +33,7 @@ from volviz.custom_gl.registry import technique
 from volviz.custom_gl.resolve import resolve
 from volviz.errors import InputError
 from volviz.framing import default_camera
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.model.parameters import Parameter, setting_values
 from volviz.model.render_spec import RenderSpec, View
 from volviz.model.volume import Volume
