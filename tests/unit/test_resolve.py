@@ -148,7 +148,7 @@ def test_what_does_not_fit_is_refused_in_words(of: volviz.Volume) -> None:
         ({"surface_colors": colors()}, "raycast draws no mesh"),
         (
             {"technique": "marching_cubes", "surface_colors": DistanceColoring("vtk_flying_edges")},
-            "Renderer computes",
+            "colors_of measures distances",
         ),
     ):
         with pytest.raises(InputError, match=words):
