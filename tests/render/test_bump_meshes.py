@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import volviz
-from volviz.custom_gl.host.mesh_reading import read_triangles
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.errors import LoadError
+from volviz.meshes.reading import read_triangles
 
 SIZE = (120, 90)
 FLAT: dict[str, Any] = {

@@ -10,17 +10,11 @@ import pytest
 
 from volviz import Volume
 from volviz.cli import main
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.errors import Cancelled, InputError, VolvizError
 from volviz.kernels.marching import marching_cubes
-from volviz.mesh import (
-    MESH_FORMATS,
-    extract_isosurface,
-    mesh_area_volume,
-    polydata,
-    save_mesh,
-    triangle_arrays,
-)
+from volviz.meshes.files import MESH_FORMATS, save_mesh
+from volviz.meshes.metrics import mesh_metrics
+from volviz.meshes.polydata import extract_isosurface, mesh_area_volume, polydata, triangle_arrays
 
 METHODS = ("lorensen", "topological", "tetrahedra")
 
