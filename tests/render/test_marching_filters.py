@@ -14,8 +14,8 @@ from tests.render.test_marching_interaction import complete, shown
 from volviz.custom_gl.mesh_drawing import MeshRequest, world_triangles
 from volviz.errors import Cancelled
 from volviz.kernels.marching import marching_cubes
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.meshes.filters import filter_triangles
-from volviz.meshes.metrics import mesh_metrics
 from volviz.meshes.polydata import extract_isosurface, triangle_arrays
 
 

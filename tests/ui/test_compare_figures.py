@@ -24,7 +24,7 @@ from volviz.custom_gl.scene_techniques import (
     current_technique,
 )
 from volviz.kernels.marching.surface import clean_mesh
-from volviz.meshes.metrics import mesh_metrics
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.meshes.polydata import extract_isosurface, triangle_arrays
 from volviz.model.camera import Camera
 from volviz_ui.main_window import MainWindow

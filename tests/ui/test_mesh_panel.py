@@ -20,7 +20,7 @@ from volviz.custom_gl.scene_techniques import (
     current_settings,
     current_technique,
 )
-from volviz.meshes.metrics import mesh_metrics
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.meshes.polydata import extract_isosurface, triangle_arrays
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.main_window import MainWindow

@@ -12,8 +12,8 @@ from volviz import Volume
 from volviz.cli import main
 from volviz.errors import Cancelled, InputError, VolvizError
 from volviz.kernels.marching import marching_cubes
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.meshes.files import MESH_FORMATS, save_mesh
-from volviz.meshes.metrics import mesh_metrics
 from volviz.meshes.polydata import extract_isosurface, mesh_area_volume, polydata, triangle_arrays
 
 METHODS = ("lorensen", "topological", "tetrahedra")

@@ -8,7 +8,7 @@ import pytest
 from volviz.compare.surface_distance import distances_to_surface, surface_distance
 from volviz.errors import InputError
 from volviz.kernels.marching import marching_cubes
-from volviz.meshes.metrics import (
+from volviz.kernels.mesh_metrics import (
     edge_uses,
     enclosed_volume,
     euler_characteristic,

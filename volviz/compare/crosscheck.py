@@ -22,7 +22,7 @@ from volviz.compare.vtk_contours import VTK_METHODS, run_vtk_contour, vtk_image,
 from volviz.errors import Cancelled, InputError
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.marching.surface import clean_mesh
-from volviz.meshes.metrics import MeshMetrics, mesh_metrics
+from volviz.kernels.mesh_metrics import MeshMetrics, mesh_metrics
 
 if TYPE_CHECKING:
     from volviz.model.volume import Volume

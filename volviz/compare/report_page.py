@@ -27,7 +27,7 @@ from volviz.compare.report_html import (
 from volviz.compare.report_overview import overview
 from volviz.compare.results import Comparison, PairResult, SideResult
 from volviz.compare.timing import ratio
-from volviz.meshes.metrics import MeshMetrics
+from volviz.kernels.mesh_metrics import MeshMetrics
 
 STYLE = Path(__file__).with_name("report_page.css")
 #: Techniques that a title names; of more it tells the number.

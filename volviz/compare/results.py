@@ -15,7 +15,7 @@ from volviz.compare.pictures import Difference, PictureMetrics
 from volviz.compare.samples import RaySamples
 from volviz.compare.surface_distance import SurfaceDistance
 from volviz.compare.timing import FrameTimes, ratio
-from volviz.meshes.metrics import MeshMetrics
+from volviz.kernels.mesh_metrics import MeshMetrics
 
 if TYPE_CHECKING:
     from volviz.compare.convergence import Convergence

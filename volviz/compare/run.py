@@ -32,7 +32,7 @@ from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.compare.timing import FrameTimes, stage_timer
 from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
-from volviz.meshes.metrics import mesh_metrics
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.model.parameters import Parameter, parameters_of
 from volviz.model.volume import Volume
 

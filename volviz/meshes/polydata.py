@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from volviz import environment
 from volviz.errors import InputError
+from volviz.kernels.mesh_metrics import enclosed_volume, surface_area
 from volviz.meshes.extraction import extract_triangles
-from volviz.meshes.metrics import enclosed_volume, surface_area
 
 environment.prepare()
 

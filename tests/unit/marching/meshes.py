@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.kernels.marching import marching_cubes
-from volviz.meshes.metrics import MeshMetrics, mesh_metrics
+from volviz.kernels.mesh_metrics import MeshMetrics, mesh_metrics
 
 Array = npt.NDArray[Any]
 

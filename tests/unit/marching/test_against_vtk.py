@@ -12,7 +12,7 @@ from volviz import Volume
 from volviz.compare.vtk_contours import VTK_METHODS, vtk_contour
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.marching.cube import CUBE_EDGES, boundary_loops
-from volviz.meshes.metrics import mesh_metrics
+from volviz.kernels.mesh_metrics import mesh_metrics
 
 from .meshes import DTYPES, noise
 

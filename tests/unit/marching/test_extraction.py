@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 from volviz.errors import Cancelled, InputError
 from volviz.kernels import threads
 from volviz.kernels.marching import face_components, keep_components, marching_cubes, passes
-from volviz.meshes.metrics import edge_uses, mesh_metrics
+from volviz.kernels.mesh_metrics import edge_uses, mesh_metrics
 
 from .meshes import DTYPES, METHODS, closed, lattice, metrics_of, noise, sphere
 

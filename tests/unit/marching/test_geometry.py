@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from volviz.kernels.marching import marching_cubes
-from volviz.meshes.metrics import mesh_metrics
+from volviz.kernels.mesh_metrics import mesh_metrics
 
 from .meshes import METHODS, lattice
 
