@@ -120,14 +120,14 @@ class Surface(QObject):
 def facts_of(mesh: ReadyMesh, task: Task | None = None) -> SurfaceFacts:
     """The figures of a mesh; on a worker, since large ones take a second."""
     from volviz.kernels.mesh_metrics import mesh_metrics
-    from volviz.mesh import polydata
+    from volviz.meshes.polydata import polydata
 
     vertices, faces, normals = world_triangles(mesh)
     if task is not None:
         task.report(0.3)
-    volume = mesh.wish.volume
+    volume = mesh.request.volume
     whole = polydata(vertices, faces, normals)
-    whole.field_data["isovalue"] = [mesh.wish.isovalue]
+    whole.field_data["isovalue"] = [mesh.request.isovalue]
     return SurfaceFacts(
         mesh, whole, mesh_metrics(vertices, faces), str(volume.metadata.get("length_unit", "mm"))
     )
