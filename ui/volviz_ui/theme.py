@@ -220,11 +220,6 @@ class Theme(QObject):
             return DARK if scheme == Qt.ColorScheme.Dark else LIGHT
         return DARK if self._choice == "dark" else LIGHT
 
-    @property
-    def is_dark(self) -> bool:
-        """Whether the dark palette is shown."""
-        return self.colors is DARK
-
     def _on_scheme_changed(self) -> None:
         if self._choice == "system":
             self._show()
