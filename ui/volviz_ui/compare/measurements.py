@@ -11,11 +11,11 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.errors import Cancelled
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
 from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
 from volviz_ui.compare.frame_timing import FrameTiming
 from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.view_area import ViewArea
 from volviz_ui.workers import Task, Workers
 
@@ -55,16 +55,15 @@ class Measurements(QObject):
         panel.visibility_changed.connect(self._on_visibility_changed)
         panel.timing_wanted.connect(self._on_timing_wanted)
         panel.match_wanted.connect(self._on_match_wanted)
-        documents.volume_changed.connect(self._on_volume_changed)
-        store.changed.connect(self._on_scene_changed)
-        self._show_pair(store.scene)
+        documents.changed.connect(self._on_shown_changed)
+        self._show_pair(documents.shown.scene)
 
     @property
     def _wanted(self) -> bool:
         """Whether anybody looks at figures, or at the map of similarity."""
-        comparison = self._store.scene.comparison
-        similarity = comparison.mode == "difference" and comparison.map == "ssim"
-        return len(self._store.scene.views) > 1 and (self._panel.isVisible() or similarity)
+        scene = self._documents.shown.scene
+        similarity = scene.comparison.mode == "difference" and scene.comparison.map == "ssim"
+        return len(scene.views) > 1 and (self._panel.isVisible() or similarity)
 
     # ------------------------------------------------------------------ pictures and meshes
 
@@ -81,7 +80,7 @@ class Measurements(QObject):
 
     def _measure(self) -> None:
         pair = self._views.arrangement.pair
-        volume, scene = self._documents.volume, self._store.scene
+        volume, scene = self._documents.volume, self._documents.shown.scene
         pictures = self._views.pair_pictures()
         if pair is None or volume is None or pictures is None or scene.view.camera is None:
             return
@@ -144,12 +143,12 @@ class Measurements(QObject):
 
     # ------------------------------------------------------------------ what changes
 
-    def _on_volume_changed(self, _volume: Volume | None) -> None:
-        self.meshes.clear()
-        self._forget()
-
-    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
-        if _drawn(old) != _drawn(new):
+    def _on_shown_changed(self, before: LoadedScene, after: LoadedScene) -> None:
+        old, new = before.scene, after.scene
+        if before.volume is not after.volume:
+            self.meshes.clear()
+            self._forget()
+        elif _drawn(old) != _drawn(new):
             self._forget()
         if _converging(old) != _converging(new):
             self._panel.show_convergence([])
@@ -185,7 +184,7 @@ class Measurements(QObject):
 
     def close(self) -> None:
         """Stop measuring: the window closes."""
-        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._documents.changed.disconnect(self._on_shown_changed, missing_ok=True)
         self._timer.stop()
         self.timing.cancel()
         self._workers.cancel("compare")
