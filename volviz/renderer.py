@@ -36,8 +36,9 @@ from volviz.offscreen import (
     look_at_tile,
     tiles_of,
 )
+from volviz.volume_data.source import VolumeSource
 
-Shown = Volume | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer]
+Shown = Volume | VolumeSource | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer]
 Pixels = npt.NDArray[np.float32]
 DType = Literal["uint8", "float32"]
 #: Left, top, width and height of a part of a picture, in pixels.
@@ -161,7 +162,7 @@ class Renderer:
 
         Parameters
         ----------
-        volume : Volume, ImageLayer or sequence of layers
+        volume : Volume, VolumeSource, ImageLayer or sequence of layers
             What to show; of layers, one may be visible.
         technique : str, default: "raycast"
             Id of a technique (`volviz.techniques`).

@@ -16,6 +16,7 @@ from volviz.errors import Cancelled, InputError, RenderError, SettingError
 from volviz.kernels.marching import marching_cubes
 from volviz.model.render_spec import View
 from volviz.model.surface_values import DistanceColoring
+from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import VolumeKey, VolumeRef
 
 SIZE = (120, 90)
@@ -258,6 +259,12 @@ def test_an_image_layer_gives_the_picture_of_its_volume(of: volviz.Volume, rende
     np.testing.assert_array_equal(renderer.render([hidden, volviz.ImageLayer(of)], **values), plain)
     layer = volviz.ImageLayer(of, function(of))
     np.testing.assert_array_equal(volviz.render(layer, size=SIZE, **values), alone(of))
+    source = ArraySource(np.stack((of.array // 2, of.array)), spacing=of.spacing, origin=of.origin)
+    later = volviz.ImageLayer(source, function(of), time=1)
+    np.testing.assert_array_equal(renderer.render(later, **values), alone(of))
+    np.testing.assert_array_equal(
+        renderer.render(ArraySource(of), transfer_function=function(of), **values), alone(of)
+    )
 
 
 def test_colour_window_and_opacity_of_a_layer_are_a_transfer_function(

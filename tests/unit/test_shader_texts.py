@@ -111,3 +111,96 @@ def test_nothing_to_carry_changes_nothing_in_the_fragment_shader() -> None:
     plain = "#version 330 core\n#line 1 0\nout vec4 f;\nvoid main() { f = vec4(1.0); }\n"
     _, fragment = texts(fragment=plain)
     assert fragment == plain
+
+
+@pytest.fixture
+def layered(tmp_path: Path) -> Path:
+    """A loop over two layers: each has a sampler, a hook and functions that call one another."""
+    (tmp_path / "layer.glsl").write_text(
+        '#pragma per_layer\n#include "table.glsl"\n#include <fetch>\n#include "noise.glsl"\n'
+        "#define LEVELS 3\nstruct Place { float x; };\nfloat g_sum;\n"
+        "float color(float x,\n            float y) {\n    Place place;\n    return place.x + fetch(x)"
+        " * u_scale * noise(y) + g_sum + LEVELS; // color\n}\n"
+    )
+    (tmp_path / "table.glsl").write_text("#pragma per_layer\nuniform float u_scale;\n")
+    (tmp_path / "noise.glsl").write_text("float noise(float x) { return x; }\n")
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.glsl").write_text(
+            f"#pragma per_layer\nuniform sampler3D t_{name};\nfloat fetch(float x) {{ return x; }}\n"
+        )
+    (tmp_path / "loop.frag").write_text(
+        '#include "layer.glsl"\n#include "layer.glsl" LAYER1\n#include "table.glsl" LAYER1\n'
+        "float sum = color(1.0, 2.0) + color_1(1.0, 2.0);\n"
+    )
+    return tmp_path
+
+
+def numbered(text: ShaderText) -> dict[str, tuple[str, int]]:
+    """File and line number of every line of code, as a compiler counts them; equal lines count once."""
+    found: dict[str, tuple[str, int]] = {}
+    number, line = 0, 0
+    for row in text.text.split("\n"):
+        if row.startswith("#line"):
+            line, number = (int(word) for word in row.split()[1:])
+            continue
+        if row.strip() and text.files and line:
+            found.setdefault(row, (text.files[number].name, line))
+        line += 1 if line else 0
+    return found
+
+
+def test_a_layer_is_included_once_for_each_number_and_its_names_end_in_it(layered: Path) -> None:
+    hooks = {"fetch": layered / "one.glsl", "fetch_1": layered / "two.glsl"}
+    text = assemble(layered / "loop.frag", hooks=hooks)
+    for plain, second in (
+        ("uniform float u_scale;", "uniform float u_scale_1;"),
+        ("uniform sampler3D t_one;", "uniform sampler3D t_two_1;"),
+        ("float fetch(float x) { return x; }", "float fetch_1(float x) { return x; }"),
+        ("struct Place { float x; };", "struct Place_1 { float x; };"),
+        ("float g_sum;", "float g_sum_1;"),
+        ("#define LEVELS 3", "#define LEVELS_1 3"),
+        ("float color(float x,", "float color_1(float x,"),
+        ("    Place place;", "    Place_1 place;"),
+    ):
+        assert text.text.count(plain + "\n") == 1, plain
+        assert text.text.count(second + "\n") == 1, second
+    assert "fetch_1(x) * u_scale_1 * noise(y) + g_sum_1 + LEVELS_1;" in text.text
+    assert "float sum = color(1.0, 2.0) + color_1(1.0, 2.0);" in text.text
+    assert text.text.count("float noise(float x)") == 1, "a file without the pragma is shared"
+    assert "t_two;" not in text.text
+    assert "t_one_1;" not in text.text
+
+
+def test_a_hook_of_a_layer_is_the_shared_one_unless_it_has_its_own(layered: Path) -> None:
+    text = assemble(layered / "loop.frag", hooks={"fetch": layered / "one.glsl"}).text
+    assert "uniform sampler3D t_one;" in text
+    assert "uniform sampler3D t_one_1;" in text
+
+
+def test_errors_in_every_layer_are_found_in_the_same_line_of_the_same_file(layered: Path) -> None:
+    text = assemble(layered / "loop.frag", hooks={"fetch": layered / "one.glsl"})
+    lines = numbered(text)
+    assert lines["float g_sum;"] == lines["float g_sum_1;"] == ("layer.glsl", 7)
+    assert lines["uniform float u_scale;"] == lines["uniform float u_scale_1;"] == ("table.glsl", 2)
+    assert lines["float sum = color(1.0, 2.0) + color_1(1.0, 2.0);"] == ("loop.frag", 4)
+    row = text.text.split("\n").index("float g_sum_1;")
+    number = int([r for r in text.text.split("\n")[:row] if r.startswith("#line")][-1].split()[2])
+    path, line = text.locate(f"{number}:7(3): error: something\n")
+    assert (path.name if path else None, line) == ("layer.glsl", 7)
+
+
+def test_the_ray_loop_takes_two_layers() -> None:
+    shader = GLSL / "two_layers.frag"
+    text = assemble(
+        shader,
+        {"SCENE_DEPTH": False},
+        {"composite": "composite/maximum.glsl", "shade_1": "shade/lit.glsl"},
+        {shader: '#include "march.glsl"\n#include "layer.glsl" LAYER1\n'},
+    ).text
+    for name in ("t_scalars", "t_table", "u_scalar_map", "u_table_map", "vec4 layer_color(", "vec3 shade("):
+        stem, bracket = name.removesuffix("("), name[len(name.removesuffix("(")) :]
+        assert len(re.findall(rf"{re.escape(stem)}{re.escape(bracket)}", text)) >= 1
+        assert f"{stem}_1{bracket}" in text
+    assert "u_light_centred_1" in text
+    assert not re.search(r"\bu_light_centred\b", text), "the first layer is unlit"
+    assert text.count("uniform vec3 u_box_low;") == 1

@@ -166,11 +166,12 @@ class MainWindow(QMainWindow):
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
         self.isovalues = IsovalueMarkers(store, documents, self.transfer_editor, self)
         self.ray_inspector = RayInspector(documents, workers, views, self.ray_panel, self)
-        self.measurements = Measurements(store, documents, views, workers, self.compare_panel, self)
-        self.surface_distances = SurfaceDistances(
-            documents, views, workers, self.compare_panel.distances, self.measurements.meshes, self
-        )
-        self.reports = Reports(self.context, self.compare_panel)
+        self.measurements = Measurements(store, documents, views, workers, self)
+        self.measurements.figures_found.connect(views.show_figures)
+        self.surface_distances = SurfaceDistances(documents, views, workers, self.measurements.meshes, self)
+        self.compare_panel.distances.follow(self.surface_distances)
+        self.reports = Reports(self.context)
+        self.compare_panel.follow(self.measurements, self.reports)
         self.pointer = Pointer(store, documents, views, self.messages.status_line, self.transfer_editor, self)
 
     def _make_commands(self) -> None:
@@ -262,8 +263,8 @@ class MainWindow(QMainWindow):
             self.file_commands.open_path(source)
 
     def _on_opened(self, opened: Opened) -> None:
-        if not opened.ref.source.startswith(SAMPLE_PREFIX):
-            self.preferences.add_recent(opened.ref)
+        if not opened.key.ref.source.startswith(SAMPLE_PREFIX):
+            self.preferences.add_recent(opened.key.ref)
 
     def _show_volume(self, volume: Volume | None) -> None:
         self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")

@@ -10,11 +10,13 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
+from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
 from volviz.model.parameters import setting_values
 from volviz.model.scene import Scene
 from volviz.model.surface_values import DistanceColoring
-from volviz.model.transfer_function_2d import Region, TransferFunction2D
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.transfer_function_2d import Region
 
 
 def script_of(scene: Scene, size: tuple[int, int]) -> str:
@@ -29,30 +31,33 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     """
     layer = scene.layer
     if layer is None:
-        return "import volviz\n"
-    hints = "".join(f", {key}={value!r}" for key, value in layer.volume.hints)
-    points = layer.transfer_function.points
-    regions = _regions(layer.transfer_function.by_gradient)
+        return "\n".join(["import volviz", *_others(list(scene.layers)), ""])
+    others = [other for other in scene.layers if other is not layer]
+    functions = [each.transfer_function for each in scene.layers if isinstance(each, ImageLayer)]
     coloring = distance_coloring(scene)
     lines = ["import volviz"]
-    if regions:
+    if any(function is not None and _has_regions(function) for function in functions):
         lines = ["from dataclasses import replace", "", *lines]
         lines += ["from volviz.model.transfer_function_2d import Region, TransferFunction2D"]
     if coloring is not None:
         lines += ["from volviz.model.surface_values import DistanceColoring"]
-    lines += ["", f"volume = volviz.load({layer.volume.source!r}{hints})"]
-    lines += ["transfer_function = volviz.TransferFunction.from_points(", "    ["]
-    lines += [f"        ({_number(p.value)}, {_tuple(p.rgba)})," for p in points]
-    domain = layer.transfer_function.domain
-    lines += ["    ]," + ("" if domain == "data" else f" domain={domain!r},")]
-    lines += [")"]
-    if layer.transfer_function.opacity != 1.0:
-        opacity = _number(layer.transfer_function.opacity)
-        lines[-1] += f".with_opacity({opacity})"
-    lines += regions + _coloring(coloring)
+    chosen = "" if layer.channel is None else f", channel={layer.channel}"
+    chosen += f", time={layer.time}" if layer.time else ""
+    lines += ["", f"volume = volviz.load({_source(layer)}{chosen})"]
+    if layer.transfer_function is not None:
+        lines += _function("transfer_function", layer.transfer_function)
+    lines += _others(others) + _coloring(coloring)
+    shown = ["    volume,"]
+    values = _layer_values(layer, but=("channel", "time", "name", "visible"))
+    if values:
+        function = "" if layer.transfer_function is None else ", transfer_function"
+        lines += [f"layer = volviz.ImageLayer(volume{function}{values})"]
+        shown = ["    layer,"]
     info = current_technique(scene)
-    lines += ["picture = volviz.render(", "    volume,", f"    {info.id!r},"]
-    lines += ["    transfer_function=transfer_function,", f"    size={size},"]
+    lines += ["picture = volviz.render(", *shown, f"    {info.id!r},"]
+    if layer.transfer_function is not None and not values:
+        lines += ["    transfer_function=transfer_function,"]
+    lines += [f"    size={size},"]
     if scene.view.camera is not None:
         lines += [f"    camera={_camera(scene.view.camera)},"]
     lines += _light(scene.light, info) + _clipping(scene.clipping)
@@ -85,16 +90,53 @@ def _coloring(coloring: DistanceColoring | None) -> list[str]:
     return [*lines, f"surface_colors = DistanceColoring({info.id!r}, other{options})"]
 
 
-def _regions(by_gradient: TransferFunction2D | None) -> list[str]:
-    """Regions over value and gradient, where they are what is drawn."""
-    if by_gradient is None or not by_gradient.enabled:
-        return []
-    lines = ["regions = TransferFunction2D(", "    ("]
-    for region in by_gradient.regions:
+def _source(layer: Layer) -> str:
+    """What to open, and how to read it."""
+    ref = layer.key.ref
+    return repr(ref.source) + "".join(f", {key}={value!r}" for key, value in ref.hints)
+
+
+def _others(layers: list[Layer]) -> list[str]:
+    """Layers that are not in the picture, since one is drawn at a time: told, so that none gets lost."""
+    lines = []
+    for number, layer in enumerate(layers, start=2):
+        parts = f"volviz.open({_source(layer)})"
+        if isinstance(layer, ImageLayer) and layer.transfer_function is not None:
+            lines += _function(f"transfer_function_{number}", layer.transfer_function)
+            parts += f", transfer_function_{number}"
+        kind = type(layer).__name__
+        lines += ["# one layer is drawn at a time: this one is not in the picture"]
+        lines += [f"layer_{number} = volviz.{kind}({parts}{_layer_values(layer)})"]
+    return lines
+
+
+def _layer_values(layer: Layer, but: tuple[str, ...] = ()) -> str:
+    """Values of a layer that are not at their defaults, as keywords."""
+    plain = type(layer)(layer.volume)
+    names = [f.name for f in fields(layer) if f.name not in ("volume", "transfer_function", *but)]
+    values = {name: getattr(layer, name) for name in names}
+    return "".join(
+        f", {name}={_value(value)}" for name, value in values.items() if value != getattr(plain, name)
+    )
+
+
+def _function(name: str, function: TransferFunction) -> list[str]:
+    """A transfer function under a name, with its regions over value and gradient where they are drawn."""
+    lines = [f"{name} = volviz.TransferFunction.from_points(", "    ["]
+    lines += [f"        ({_number(p.value)}, {_tuple(p.rgba)})," for p in function.points]
+    lines += ["    ]," + ("" if function.domain == "data" else f" domain={function.domain!r},")]
+    lines += [")" if function.opacity == 1.0 else f").with_opacity({_number(function.opacity)})"]
+    if not _has_regions(function):
+        return lines
+    lines += ["regions = TransferFunction2D(", "    ("]
+    for region in function.by_gradient.regions:
         values = ", ".join(_value(getattr(region, field.name)) for field in fields(Region))
         lines += [f"        Region({values}),"]
-    lines += ["    )", ")", "transfer_function = replace(transfer_function, by_gradient=regions)"]
-    return lines
+    return [*lines, "    )", ")", f"{name} = replace({name}, by_gradient=regions)"]
+
+
+def _has_regions(function: TransferFunction) -> bool:
+    return function.by_gradient is not None and function.by_gradient.enabled
 
 
 def _camera(camera: Camera) -> str:

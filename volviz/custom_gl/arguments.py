@@ -19,12 +19,13 @@ from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
 from volviz.model.surface_values import DistanceColoring, SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz.volume_data.source import VolumeSource
 
 Layers = tuple[ImageLayer | LabelLayer, ...]
 
 
 def spec_of(
-    shown: Volume | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
+    shown: Volume | VolumeSource | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
     technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
@@ -75,7 +76,8 @@ def layers_of(shown: Any, transfer_function: TransferFunction | None = None) -> 
     if isinstance(shown, ImageLayer | LabelLayer):
         shown = (shown,)
     elif not isinstance(shown, list | tuple):
-        check_kinds(volume=shown)
+        if not isinstance(shown, VolumeSource):
+            check_kinds(volume=shown)
         return (ImageLayer(shown, transfer_function),)
     if not all(isinstance(layer, ImageLayer | LabelLayer) for layer in shown):
         raise InputError("layers are volviz.ImageLayer or volviz.LabelLayer; wrap each volume in one.")

@@ -12,7 +12,7 @@ from volviz.custom_gl.technique import Frame
 def march_program(
     frame: Frame, vertex: Path, fragment: Path, defines: Mapping[str, object] | None = None
 ) -> Program:
-    """A program whose fragment shader includes ``march.glsl``, with its mode, tables and uniforms set.
+    """A program whose fragment shader includes ``march.glsl``, with its hooks, tables and uniforms set.
 
     Parameters
     ----------
@@ -25,16 +25,18 @@ def march_program(
         Further defines of the technique's own.
     """
     settings = frame.settings
-    mode = settings.mode
-    if mode == "composite" and settings.preintegrated and frame.transfer_function.by_gradient is None:
-        mode = "preintegrated"
+    composites = settings.mode == "composite"
+    preintegrated = composites and settings.preintegrated and frame.transfer_function.by_gradient is None
     # opacities per step in the table save a power per sample; gradient opacity must act before the correction
-    per_step = mode == "composite" and not settings.gradient_opacity
+    per_step = composites and not preintegrated and not settings.gradient_opacity
+    hooks = {"composite": f"composite/{settings.mode}.glsl"}
+    if preintegrated:
+        hooks["classify"] = "classify/preintegrated.glsl"
     program = frame.program(
         vertex,
         fragment,
         {"TABLE_PER_STEP": per_step} | dict(defines or {}),
-        {"mode": f"modes/{mode}.glsl"},
+        hooks,
         table_length=frame.step_world / frame.unit_distance if per_step else None,
     )
     if per_step:

@@ -1,8 +1,15 @@
-"""GLSL from files: ``#include``, defines and a line map, so that errors name file and line. Text only, no GPU.
+"""GLSL from files: ``#include``, hooks, layers, defines and a line map, so that errors name file and line. Text only.
 
 ``#include "name.glsl"`` takes the file beside the including one or, failing that, from ``custom_gl/glsl``; every file
-is included once. ``#include <hook>`` takes the file that the caller names for that hook: this is how a shader is a
-template whose parts (the compositing mode, say) are exchanged as whole files instead of branches.
+is included once. ``#include <hook>`` takes the file that the caller names for that hook, or the hook's default: this is
+how a shader is a template whose parts (fetching, classification, shading, compositing) are exchanged as whole files
+instead of branches.
+
+A file with the line ``#pragma per_layer`` belongs to one volume. ``#include "layer.glsl" LAYER1`` includes it, and the
+files of this kind that it includes, once more with ``_1`` after every name that they declare: samplers, uniforms,
+functions, structs, variables and macros (fields of structs keep theirs, and must not be called like one of these). So
+two volumes stand in one loop. Layer 0 keeps the names as they are written. A hook of layer 1 is looked for as
+``hook_1`` first.
 """
 
 from __future__ import annotations
@@ -18,7 +25,19 @@ from volviz.errors import ShaderError
 GLSL = Path(__file__).parent / "glsl"
 VERSION = "#version 330 core"
 
-_INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)\s*$')
+#: Files of the hooks that need not be chosen.
+DEFAULT_HOOKS = {
+    "fetch": "fetch/texture.glsl",
+    "classify": "classify/curve.glsl",
+    "shade": "shade/unlit.glsl",
+    "occlusion": "occlusion/none.glsl",
+}
+
+_INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)(?:\s+LAYER(\d+))?\s*$')
+_PER_LAYER = re.compile(r"^\s*#\s*pragma\s+per_layer\s*$")
+_DECLARED = re.compile(
+    r"^\s*(?:#\s*define\s+(\w+)|struct\s+(\w+)|(?:uniform\s+|const\s+)?\w+\s+(\w+)\s*[\[;=(,])"
+)
 _NAME = re.compile(r"^[A-Z][A-Z0-9_]*$")
 # Mesa "0:12(3): error: ...", NVIDIA "0(12) : error C0000: ...", Apple/AMD "ERROR: 0:12: ..."
 _LOG = re.compile(r"^(?:ERROR:\s*)?(\d+)(?::(\d+)|\((\d+)\))(?![^\n]*warning)[^\n]*:[^\n]*$", re.MULTILINE)
@@ -73,7 +92,7 @@ def assemble(
     defines : mapping
         Macros in UPPER_CASE; True becomes 1, False 0.
     hooks : mapping
-        File for each ``#include <hook>``, a path or a name in ``custom_gl/glsl``.
+        File for each ``#include <hook>``, a path or a name in ``custom_gl/glsl``; ``name_1`` is that of layer 1.
     overrides : mapping of Path to str
         Edited text that takes the place of a file, for live editing.
 
@@ -83,66 +102,114 @@ def assemble(
         A file, hook or define that does not exist or is malformed, named with file and line.
     """
     defines = defines or {}
-    files: list[Path] = []
     out = [VERSION]
     for name, value in sorted(defines.items()):
         if not _NAME.match(name):
             raise ShaderError(f"a shader define is written in UPPER_CASE, got {name!r} for {path.name}.")
         out.append(f"#define {name} {int(value) if isinstance(value, bool) else value}")
-    _insert(path, out, files, hooks or {}, overrides or {})
-    return ShaderText("\n".join(out) + "\n", tuple(files))
+    assembly = _Assembly(out, DEFAULT_HOOKS | dict(hooks or {}), overrides or {})
+    assembly.insert(path, 0)
+    return ShaderText("\n".join(out) + "\n", tuple(assembly.files))
 
 
-def _insert(
-    path: Path,
-    out: list[str],
-    files: list[Path],
-    hooks: Mapping[str, str | Path],
-    overrides: Mapping[Path, str],
-) -> None:
-    number = len(files)
-    files.append(path)
-    try:
-        lines = tuple(overrides[path].splitlines()) if path in overrides else read_lines(path)
-    except OSError:
-        raise ShaderError(f"the shader file {path} cannot be read.", file=path.name) from None
-    out.append(f"#line 1 {number}")
-    for line_number, line in enumerate(lines, start=1):
-        if line.lstrip().startswith("#version"):
-            raise ShaderError(
-                f"{path.name}, line {line_number}: shader files have no #version line, it is added.",
-                file=path.name,
-                line=line_number,
-            )
-        match = _INCLUDE.match(line)
-        if not match:
-            out.append(line)
-            continue
-        included = _find(path, line_number, match, hooks)
-        if included not in files:
-            _insert(included, out, files, hooks, overrides)
-            out.append(f"#line {line_number + 1} {number}")
+class _Assembly:
+    """A shader in the making.
+
+    Attributes
+    ----------
+    files : list of Path
+        Included files by number; one that is included for two layers has two.
+    """
+
+    def __init__(
+        self, out: list[str], hooks: Mapping[str, str | Path], overrides: Mapping[Path, str]
+    ) -> None:
+        self.files: list[Path] = []
+        self._out = out
+        self._hooks = hooks
+        self._overrides = overrides
+        self._included: set[tuple[Path, int]] = set()
+        self._names: dict[int, set[str]] = {}
+
+    def insert(self, path: Path, layer: int) -> None:
+        """Append a file and what it includes; names of a layer other than 0 get its number."""
+        number = len(self.files)
+        self.files.append(path)
+        self._included.add((path, layer))
+        self._out.append(f"#line 1 {number}")
+        for line_number, line in enumerate(self._lines(path), start=1):
+            if line.lstrip().startswith("#version"):
+                raise ShaderError(
+                    f"{path.name}, line {line_number}: shader files have no #version line, it is added.",
+                    file=path.name,
+                    line=line_number,
+                )
+            match = _INCLUDE.match(line)
+            if not match:
+                # the compiler warns of pragmas that it does not know
+                self._out.append("" if _PER_LAYER.match(line) else self._of_layer(line, layer))
+                continue
+            included = self._find(path, line_number, match, layer)
+            inner = int(match[3] or layer) if self._is_per_layer(included) else 0
+            if inner and not layer:
+                self._collect_names(included, inner, set())
+            if (included, inner) in self._included:
+                self._out.append("")
+            else:
+                self.insert(included, inner)
+                self._out.append(f"#line {line_number + 1} {number}")
+
+    def _lines(self, path: Path) -> tuple[str, ...]:
+        if path in self._overrides:
+            return tuple(self._overrides[path].splitlines())
+        try:
+            return read_lines(path)
+        except OSError:
+            raise ShaderError(f"the shader file {path} cannot be read.", file=path.name) from None
+
+    def _is_per_layer(self, path: Path) -> bool:
+        return any(_PER_LAYER.match(line) for line in self._lines(path))
+
+    def _of_layer(self, line: str, layer: int) -> str:
+        """A line with the layer's number after the names that belong to it; fields of structs have none."""
+        names = self._names.get(layer, ())
+        return re.sub(r"(?<![.\w])[A-Za-z_]\w*", lambda m: f"{m[0]}_{layer}" if m[0] in names else m[0], line)
+
+    def _collect_names(self, path: Path, layer: int, seen: set[Path]) -> None:
+        """Learn which names a file, and those of the same layer that it includes, declare outside of functions."""
+        seen.add(path)
+        depth = 0
+        for line_number, line in enumerate(self._lines(path), start=1):
+            code = line.split("//")[0]
+            declared = _DECLARED.match(code) if depth == 0 else None
+            if declared:
+                self._names.setdefault(layer, set()).add(next(filter(None, declared.groups())))
+            depth += sum(code.count(c) for c in "({") - sum(code.count(c) for c in ")}")
+            match = _INCLUDE.match(line)
+            if match:
+                included = self._find(path, line_number, match, layer)
+                if included not in seen and self._is_per_layer(included):
+                    self._collect_names(included, layer, seen)
+
+    def _find(self, path: Path, line: int, match: re.Match[str], layer: int) -> Path:
+        """The file that an include means."""
+        hook = match[2]
+        if hook is not None:
+            chosen = self._hooks.get(f"{hook}_{match[3] or layer}", self._hooks.get(hook))
+            if chosen is None:
+                raise ShaderError(
+                    f"{path.name}, line {line}: nothing was chosen for the hook <{hook}>.",
+                    file=path.name,
+                    line=line,
+                )
+            candidates = [GLSL / chosen]
         else:
-            out.append("")
-
-
-def _find(path: Path, line: int, match: re.Match[str], hooks: Mapping[str, str | Path]) -> Path:
-    if match[2] is not None:
-        if match[2] not in hooks:
-            raise ShaderError(
-                f"{path.name}, line {line}: nothing was chosen for the hook <{match[2]}>.",
-                file=path.name,
-                line=line,
-            )
-        chosen = Path(hooks[match[2]])
-        candidates = [chosen] if chosen.is_absolute() else [GLSL / chosen]
-    else:
-        candidates = [path.parent / match[1], GLSL / match[1]]
-    for candidate in candidates:
-        if candidate.is_file():
-            return candidate
-    raise ShaderError(
-        f"{path.name}, line {line}: there is no file {candidates[0].name} to include.",
-        file=path.name,
-        line=line,
-    )
+            candidates = [path.parent / match[1], GLSL / match[1]]
+        for candidate in candidates:
+            if candidate.is_file():
+                return candidate
+        raise ShaderError(
+            f"{path.name}, line {line}: there is no file {candidates[0].name} to include.",
+            file=path.name,
+            line=line,
+        )

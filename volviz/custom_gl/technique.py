@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 
@@ -275,7 +276,7 @@ class Frame:
     tiles : tuple of (x, y, width, height)
         Parts of the target that the box touches, for techniques that work pixel by pixel.
     uniforms : dict
-        Uniforms that all shaders share, by name; see ``glsl/``.
+        Uniforms that all shaders share, by name, as `apply` sets them; techniques read the properties instead.
     tasks : Tasks
         Where the technique has its work done that takes longer than a turn of an event loop; closed when the
         technique is released. Each task that ends asks for another frame.
@@ -324,6 +325,45 @@ class Frame:
         """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
         return crop_corners(self.volume.index_to_world, self.crop, self.volume.dimensions)
 
+    @cached_property
+    def texture_to_world(self) -> Matrix:
+        """4 x 4 matrix from texture coordinates of the selected level to the world."""
+        scale, offset = self.resources.texels.index_to_texture
+        to_index = np.eye(4)
+        to_index[:3, :3] = np.diag(1.0 / scale)
+        to_index[:3, 3] = -offset / scale
+        return np.asarray(self.volume.index_to_world @ to_index)
+
+    @cached_property
+    def world_to_texture(self) -> Matrix:
+        """Its inverse."""
+        return np.asarray(np.linalg.inv(self.texture_to_world))
+
+    @cached_property
+    def texture_to_clip(self) -> Matrix:
+        """4 x 4 matrix from texture coordinates to clip space."""
+        return np.asarray(self.camera.view_projection @ self.texture_to_world)
+
+    def recentred(self, to_world: Matrix) -> Matrix:
+        """A 4 x 4 matrix to the world as one to centred coordinates: world units from the middle of the volume."""
+        moved = to_world.copy()
+        # in float64, before shaders round to float32
+        moved[:3, 3] -= self.volume.center
+        return moved
+
+    @cached_property
+    def viewpoint(self) -> Matrix:
+        """World position from which surfaces are seen; far behind the view for parallel projection."""
+        if not self.camera.parallel:
+            return self.camera.eye
+        extent = float(np.linalg.norm(self.volume.extent))
+        return np.asarray(np.array(self.volume.center) - self.camera.direction * (1e4 * extent))
+
+    @property
+    def light_source(self) -> Matrix:
+        """World position from which the light comes: the viewpoint for a headlight."""
+        return self.viewpoint if self.headlight else self.light_position
+
     @property
     def step_world(self) -> float:
         """Distance between samples in world units (settings that have a ``step``)."""
@@ -341,10 +381,21 @@ class Frame:
     ) -> Program:
         """A program with the defines that depend on the frame, ready to draw (see `apply`).
 
-        ``SCENE_DEPTH`` is 1 when there is opaque geometry to stop at, ``BY_GRADIENT`` when the transfer function
-        is one of value and gradient; ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY`` follow the settings of
-        these names and can be overridden. `many_vertices` is True for meshes and splats. `table_length` is the length
-        of ray, in unit distances, to which opacities in the table of the transfer function belong; None is one.
+        Parameters
+        ----------
+        vertex, fragment : Path
+            Shader files.
+        defines : mapping, optional
+            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at) and ``NEAREST``, ``SHADING`` and
+            ``GRADIENT_OPACITY``, which follow the settings of these names; can override them.
+        hooks : mapping, optional
+            Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
+            unless they are named.
+        many_vertices : bool, default: False
+            Meshes and splats, whose vertex shader is kept free of other work.
+        table_length : float, optional
+            Length of ray, in unit distances, to which opacities in the table of the transfer function belong; None
+            is one.
         """
         common = self.common
         shared: dict[str, object] = {
@@ -352,10 +403,18 @@ class Frame:
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,
-            "BY_GRADIENT": self.transfer_function.by_gradient is not None,
+        }
+        regions = self.transfer_function.by_gradient is not None
+        chosen: dict[str, str | Path] = {
+            "classify": "classify/regions.glsl" if regions else "classify/curve.glsl",
+            "shade": "shade/lit.glsl" if common.shading else "shade/unlit.glsl",
         }
         program = self.gpu.programs.get(
-            vertex, fragment, shared | dict(defines or {}), hooks, many_vertices=many_vertices
+            vertex,
+            fragment,
+            shared | dict(defines or {}),
+            chosen | dict(hooks or {}),
+            many_vertices=many_vertices,
         )
         self.apply(program, table_length)
         return program

@@ -17,7 +17,7 @@ from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.comparison import MOST_VIEWS, Comparison
-from volviz.model.layers import ImageLayer
+from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of
 from volviz.model.scene import Scene, SceneView
@@ -25,9 +25,8 @@ from volviz.model.transfer_function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 
 #: Version that this program writes.
-VERSION = 1
-#: Takes the data of a version, gives that of the next one; applied one after another.
-CONVERTERS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {}
+VERSION = 2
+_LAYER_KINDS: dict[str, type[ImageLayer | LabelLayer]] = {"image": ImageLayer, "labels": LabelLayer}
 KIND = "volviz session"
 SUFFIX = ".volviz.json"
 
@@ -40,15 +39,20 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
     Parameters
     ----------
     scene : Scene
-        What to describe.
+        What to describe; its layers show references.
     folder : Path, optional
         Where the session will lie: paths of volumes are stored relative to it as well, so that a session may
         be moved together with its data.
+
+    Raises
+    ------
+    InputError
+        A layer shows a volume in memory, which no file can name.
     """
     return {
         "kind": KIND,
         "version": VERSION,
-        "layers": [_layer_to_dict(layer, folder) for layer in scene.layers if isinstance(layer, ImageLayer)],
+        "layers": [_layer_to_dict(layer, folder) for layer in scene.layers],
         "light": dataclasses.asdict(scene.light),
         "clipping": dataclasses.asdict(scene.clipping),
         "background": scene.background,
@@ -86,10 +90,10 @@ def scene_from_dict(data: Any, settings_of: SettingsOf, folder: Path | None = No
             f"the session was written by a newer VolViz (version {version} of the format, this program knows "
             f"{VERSION}); update VolViz to open it."
         )
-    converted = dict(data)
-    for step in range(version, VERSION):
-        converted = CONVERTERS[step](converted)
     try:
+        converted = dict(data)
+        for step in range(version, VERSION):
+            converted = CONVERTERS[step](converted)
         return _scene(converted, settings_of, folder)
     except VolvizError as error:
         raise LoadError(f"the session is damaged: {error}") from error
@@ -133,20 +137,17 @@ def load_session(path: str | os.PathLike[str], settings_of: SettingsOf) -> Scene
     return scene_from_dict(data, settings_of, source.absolute().parent)
 
 
-def _layer_to_dict(layer: ImageLayer, folder: Path | None) -> dict[str, Any]:
+def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
     ref = layer.key.ref
     volume: dict[str, Any] = {"source": ref.source, "hints": dict(ref.hints), "content_id": ref.content_id}
     if folder is not None and Path(ref.source).is_absolute():
         with suppress(ValueError):  # another drive on Windows: there is no way from here to there
             volume["relative"] = Path(os.path.relpath(ref.source, folder)).as_posix()
-    return {
-        "volume": volume,
-        "transfer_function": None if layer.transfer_function is None else layer.transfer_function.to_dict(),
-        "name": layer.name,
-        "visible": layer.visible,
-        "channel": layer.channel,
-        "time": layer.time,
-    }
+    values = {field.name: getattr(layer, field.name) for field in dataclasses.fields(layer)}
+    if isinstance(layer, ImageLayer) and layer.transfer_function is not None:
+        values["transfer_function"] = layer.transfer_function.to_dict()
+    kind = next(kind for kind, made in _LAYER_KINDS.items() if isinstance(layer, made))
+    return {"kind": kind, **values, "volume": volume}
 
 
 def _view_to_dict(view: SceneView) -> dict[str, Any]:
@@ -172,22 +173,17 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         clipping=Clipping(clipping["crop"], tuple((tuple(o), tuple(n)) for o, n in clipping["planes"])),
         background=None if data["background"] is None else _numbers(data["background"], 3),
         views=views,
-        # absent in sessions of programs that showed one view only
-        active=min(max(int(data.get("active", 0)), 0), len(views) - 1),
-        comparison=_comparison(data.get("comparison", {})),
+        active=min(max(int(data["active"]), 0), len(views) - 1),
+        comparison=_comparison(data["comparison"]),
     )
 
 
 def _comparison(data: Mapping[str, Any]) -> Comparison:
-    known = {field.name for field in dataclasses.fields(Comparison)}
-    values = {name: value for name, value in data.items() if name in known}
-    if "pair" in values:
-        first, second = values["pair"]
-        values["pair"] = int(first), int(second)
-    return Comparison(**values)
+    first, second = data["pair"]
+    return Comparison(**{**data, "pair": (int(first), int(second))})
 
 
-def _layer(data: dict[str, Any], folder: Path | None) -> ImageLayer:
+def _layer(data: dict[str, Any], folder: Path | None) -> Layer:
     volume = data["volume"]
     source = str(volume["source"])
     if folder is not None and "relative" in volume:
@@ -195,13 +191,10 @@ def _layer(data: dict[str, Any], folder: Path | None) -> ImageLayer:
         if beside.exists():
             source = str(beside)
     hints = tuple((str(k), tuple(v) if isinstance(v, list) else v) for k, v in volume["hints"].items())
-    return ImageLayer(
-        VolumeRef(source, hints, str(volume["content_id"])),
-        None if data["transfer_function"] is None else TransferFunction.from_dict(data["transfer_function"]),
-        str(data["name"]),
-        visible=bool(data["visible"]),
-        time=int(data["time"]),
-    )
+    values = {name: value for name, value in data.items() if name not in ("kind", "volume")}
+    if values.get("transfer_function") is not None:
+        values["transfer_function"] = TransferFunction.from_dict(values["transfer_function"])
+    return _LAYER_KINDS[data["kind"]](VolumeRef(source, hints, str(volume["content_id"])), **values)
 
 
 def _view(data: dict[str, Any], settings_of: SettingsOf) -> SceneView:
@@ -237,3 +230,23 @@ def _numbers(values: Any, count: int) -> Any:
     if len(numbers) != count:
         raise ValueError(f"{count} numbers, got {len(numbers)}")
     return numbers
+
+
+def _to_version_2(data: dict[str, Any]) -> dict[str, Any]:
+    """Layers of more than one kind, with channel and time of their own, which were hints for the reader before.
+
+    The active view and the way of comparing came into version 1 by and by; where they are absent, as their
+    parts may be, they are at their defaults.
+    """
+    layers = []
+    for layer in data["layers"]:
+        hints = dict(layer["volume"]["hints"])
+        chosen = {"channel": hints.pop("channel", None), "time": hints.pop("time", 0)}
+        layers.append({**layer, **chosen, "kind": "image", "volume": {**layer["volume"], "hints": hints}})
+    known = dataclasses.asdict(Comparison())
+    told = {name: value for name, value in data.get("comparison", {}).items() if name in known}
+    return {**data, "layers": layers, "active": data.get("active", 0), "comparison": {**known, **told}}
+
+
+#: Takes the data of a version, gives that of the next one; applied one after another.
+CONVERTERS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {1: _to_version_2}

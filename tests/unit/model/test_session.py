@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from volviz.errors import LoadError
+from volviz.errors import InputError, LoadError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer
+from volviz.model.comparison import Comparison
+from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.parameters import parameter
 from volviz.model.scene import Scene, SceneView
@@ -26,6 +28,7 @@ from volviz.model.session import (
     scene_to_dict,
 )
 from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
 from volviz.volume_data.references import VolumeRef
 
 
@@ -62,19 +65,40 @@ settings = st.builds(
     levels=st.lists(finite, min_size=1, max_size=4).map(tuple),
     distance=st.none() | finite,
 )
+refs = st.builds(
+    VolumeRef,
+    source=st.just("sample:engine"),
+    hints=st.sampled_from([(), (("dims", (3, 4, 5)), ("dtype", "uint8"))]),
+    content_id=st.text(max_size=5),
+)
+shared: dict[str, Any] = {
+    "volume": refs,
+    "name": st.text(max_size=10),
+    "visible": st.booleans(),
+    "channel": st.none() | st.integers(0, 9),
+    "time": st.integers(0, 999),
+    "opacity": unit,
+    "transform": st.none()
+    | vectors.map(lambda v: [[1, 0, 0, v[0]], [0, -2, 0, v[1]], [0, 1, 1, v[2]], [0, 0, 0, 1]]),
+}
+modes = st.sampled_from(["add", "mask", "modulate"])
+windows = st.none() | st.tuples(finite, st.floats(1, 10)).map(lambda w: (w[0], w[0] + w[1]))
+labels = st.integers(0, 2**31)
+layers = (
+    st.builds(ImageLayer, transfer_function=st.none() | functions, mode=modes, **shared)
+    | st.builds(ImageLayer, color=st.none() | colors, window=windows, mode=modes, **shared)
+    | st.builds(
+        LabelLayer,
+        colors=st.none() | st.dictionaries(labels, colors, max_size=3),
+        names=st.none() | st.dictionaries(labels, st.text(max_size=5), max_size=3),
+        hidden=st.lists(labels, max_size=3),
+        smooth=st.booleans(),
+        **shared,
+    )
+)
 scenes = st.builds(
     Scene,
-    layers=st.builds(
-        ImageLayer,
-        volume=st.builds(
-            VolumeRef,
-            source=st.just("sample:engine"),
-            hints=st.sampled_from([(), (("dims", (3, 4, 5)), ("dtype", "uint8"))]),
-            content_id=st.text(max_size=5),
-        ),
-        transfer_function=functions,
-        name=st.text(max_size=10),
-    ).map(lambda layer: (layer,)),
+    layers=st.lists(layers, max_size=3).map(tuple),
     light=st.builds(Light, headlight=st.booleans(), position=st.none() | vectors, color=colors),
     clipping=st.sampled_from([Clipping(), Clipping((0, 5, 1, 4, 2, 9), (((0, 0, 1), (0, 0.6, 0.8)),))]),
     background=st.none() | colors,
@@ -91,6 +115,48 @@ scenes = st.builds(
 def test_a_scene_survives_json(scene: Scene) -> None:
     text = json.dumps(scene_to_dict(scene))
     assert scene_from_dict(json.loads(text), settings_of) == scene
+
+
+def session_1() -> Any:
+    """What the program wrote before layers had kinds: hints choose channel 1 and time 2 of a file."""
+    return json.loads((Path(__file__).parent / "session-1.volviz.json").read_text())
+
+
+def test_a_session_of_version_1_is_converted() -> None:
+    scene = scene_from_dict(session_1(), settings_of)
+    (layer,) = scene.layers
+    assert isinstance(layer, ImageLayer)
+    assert layer.volume == VolumeRef("/data/h.tif", (("spacing", (1.0, 1.0, 2.0)),), "5f-1a")
+    assert (layer.channel, layer.time, layer.name, layer.visible) == (1, 2, "h", True)
+    assert layer.transfer_function is not None
+    assert [point.value for point in layer.transfer_function.points] == [0, 700]
+    assert (layer.opacity, layer.mode, layer.transform, layer.color) == (1.0, "add", None, None)
+    assert (scene.active, scene.comparison) == (1, Comparison("wipe", (1, 0), 0.25))
+    assert scene.light == Light(False, (1.0, 2.0, 3.0))
+    assert scene_from_dict(scene_to_dict(scene), settings_of) == scene
+
+
+def test_a_session_of_one_view_without_hints_is_converted() -> None:
+    data = session_1()
+    del data["active"], data["comparison"]
+    data["layers"][0]["volume"]["hints"] = {}
+    scene = scene_from_dict(data, settings_of)
+    assert scene.layer is not None
+    assert (scene.layer.channel, scene.layer.time, scene.layer.key.ref.hints) == (None, 0, ())
+    assert (scene.active, scene.comparison) == (0, Comparison())
+
+
+def test_parts_of_a_comparison_that_came_later_are_at_their_defaults() -> None:
+    data = session_1()
+    data["comparison"] = {"mode": "blink", "of the future": 3}
+    assert scene_from_dict(data, settings_of).comparison == Comparison("blink")
+
+
+def test_a_volume_in_memory_cannot_be_saved(tmp_path: Path) -> None:
+    scene = Scene((ImageLayer(Volume(np.zeros((2, 2, 2)))),))
+    with pytest.raises(InputError, match="references only"):
+        save_session(scene, tmp_path / "a.volviz.json")
+    assert not list(tmp_path.iterdir())
 
 
 def a_scene(source: str) -> Scene:
@@ -133,6 +199,9 @@ def test_a_technique_that_is_not_there_falls_back(tmp_path: Path) -> None:
         ({"version": VERSION + 1}, "newer VolViz"),
         ({"version": None}, "damaged"),
         ({"layers": 3}, "damaged"),
+        ({"layers": 3, "version": 1}, "damaged"),
+        ({"layers": [{"kind": "mesh", "volume": {"source": "", "hints": {}, "content_id": ""}}]}, "damaged"),
+        ({"comparison": {}}, "damaged"),
         ({"light": {}}, "damaged"),
         ({"clipping": {"crop": [0, 0, 1], "planes": []}}, "damaged"),
         (

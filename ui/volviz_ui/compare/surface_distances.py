@@ -13,7 +13,6 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.errors import InputError
 from volviz.model.comparison import Comparison
 from volviz.model.volume import Volume
-from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figures import MeshStore, mesh_key
 from volviz_ui.documents import Documents
 from volviz_ui.loaded_scene import LoadedScene
@@ -52,13 +51,20 @@ class SurfaceDistances(QObject):
 
     shown = Signal()
     """Other colours are shown, or none."""
+    available_changed = Signal(bool)
+    """Whether the compared views draw two surfaces."""
+    progressed = Signal(float)
+    """How far the distance is, 0..1."""
+    state_changed = Signal(str)
+    """Nothing is being measured; why there is nothing to show, or empty."""
+    found = Signal(object, str, bool)
+    """`DistanceColors` that are shown now, the unit of their lengths, and whether a sign was asked for."""
 
     def __init__(
         self,
         documents: Documents,
         views: ViewArea,
         workers: Workers,
-        section: DistanceSection,
         meshes: MeshStore,
         parent: QObject | None = None,
     ) -> None:
@@ -66,7 +72,6 @@ class SurfaceDistances(QObject):
         self._documents = documents
         self._views = views
         self._workers = workers
-        self._section = section
         self._meshes = meshes
         self._pair: _Pair | None = None
         self._kept: dict[Any, ByKind] = {}
@@ -76,7 +81,6 @@ class SurfaceDistances(QObject):
         self._timer.setInterval(DELAY_MS)
         self._timer.timeout.connect(self._measure)
         documents.changed.connect(self._on_shown_changed)
-        self._sync()
 
     @property
     def colors(self) -> DistanceColors | None:
@@ -89,11 +93,11 @@ class SurfaceDistances(QObject):
         old, new = before.scene, after.scene
         if before.volume is not after.volume:
             self._kept.clear()
-            self._sync()
+            self.sync()
         elif (old.views, old.active_index, old.comparison, old.layers) != (
             new.views, new.active_index, new.comparison, new.layers
         ):  # fmt: skip
-            self._sync()
+            self.sync()
 
     def _both(self) -> _Pair | None:
         """The two surfaces that are compared, None where there are not two."""
@@ -109,19 +113,19 @@ class SurfaceDistances(QObject):
         )
         return _Pair(volume, (first, second))
 
-    def _sync(self) -> None:
+    def sync(self) -> None:
         """Show what there is for the present pair, and measure what there is not."""
         comparison = self._documents.shown.scene.comparison
         both = self._both()
-        self._section.setVisible(both is not None)
+        self.available_changed.emit(both is not None)
         wanted = both if comparison.distances != "off" else None
         if (None if wanted is None else wanted.key) != (None if self._pair is None else self._pair.key):
             self._workers.cancel(KEY)
             self._timer.stop()
-            self._section.show_state("")
+            self.state_changed.emit("")
             self._pair = wanted
             if wanted is not None and wanted.key not in self._kept:
-                self._section.show_progress(0.0)
+                self.progressed.emit(0.0)
                 self._timer.start()
         self._show(comparison)
 
@@ -154,7 +158,7 @@ class SurfaceDistances(QObject):
             return found
 
         task = self._workers.start(work, label=self.tr("Distance of the surfaces"), key=KEY)
-        task.progressed.connect(lambda fraction, _words: self._section.show_progress(fraction))
+        task.progressed.connect(lambda fraction, _words: self.progressed.emit(fraction))
         task.succeeded.connect(lambda found: self._on_measured(pair, found))
         task.failed.connect(self._on_failed)
 
@@ -167,7 +171,7 @@ class SurfaceDistances(QObject):
         self._show(self._documents.shown.scene.comparison)
 
     def _on_failed(self, error: BaseException) -> None:
-        self._section.show_state(str(error))
+        self.state_changed.emit(str(error))
 
     # ------------------------------------------------------------------ showing
 
@@ -182,7 +186,7 @@ class SurfaceDistances(QObject):
         for pane in self._views.panes:
             self._color(pane, given.get(pane), colors)
         if colors is not None and colors is not before:
-            self._section.show_found(colors, self._unit(), sign_wanted=comparison.distances == "signed")
+            self.found.emit(colors, self._unit(), comparison.distances == "signed")
         if colors is not before:
             self.shown.emit()
 

@@ -18,7 +18,7 @@ from volviz_ui.documents import Documents
 from volviz_ui.editors.number import Scale, SliderField
 from volviz_ui.icons import set_icon
 from volviz_ui.loaded_scene import volume_of
-from volviz_ui.panels.panel import small_button
+from volviz_ui.widgets.small import small_button
 
 Planes = tuple[Plane, ...]
 GESTURE = "clip planes"

@@ -91,7 +91,7 @@ class ViewArea(QWidget):
     @property
     def active(self) -> Pane:
         """The pane that panels and keys act on."""
-        return self.panes[min(self._store.scene.active_index, len(self.panes) - 1)]
+        return self.panes[min(self._documents.shown.scene.active_index, len(self.panes) - 1)]
 
     @property
     def shown_panes(self) -> list[Pane]:
@@ -236,8 +236,12 @@ class ViewArea(QWidget):
             except VolvizError:
                 return None  # drawn at a lower resolution: drawing failed
             height, width = picture.shape[:2]
-            seen.append(over(picture, background_picture(self._store.scene.background, (width, height))))
+            seen.append(over(picture, background_picture(self._documents.shown.scene.background, (width, height))))
         return seen[0], seen[1]
+
+    def show_figures(self, figures: Any) -> None:
+        """Show where the compared pictures are alike, as was measured of them (`PairFigures`)."""
+        self.arrangement.difference.set_similarity(figures.similarity)
 
     # ------------------------------------------------------------------ gestures
 

@@ -1,5 +1,6 @@
 // Jumps over bricks in which nothing is visible. Sample positions are kept: a ray goes on at a later sample of the
-// same sequence, so the picture is that of a march without jumps.
+// same sequence, so the image is that of a march without jumps.
+#pragma per_layer
 
 uniform sampler3D t_distance;      // up to 127: bricks to the nearest visible one; 128 + n: visible, and so are all
                                    // bricks at most n away
@@ -9,10 +10,10 @@ uniform vec3 u_last_brick;         // number of bricks - 1
 uniform vec3 u_brick_edge;         // of a brick in t_distance = 1 / number of bricks
 
 struct Brick {
-    bool visible;     // something may be visible in it
-    float reach;      // all bricks at most so many away are visible, or invisible, alike
-    vec3 position;    // of the point, in bricks
-    vec3 corner;      // of the brick that holds it
+    bool visible;      // something may be visible in it
+    float clearance;   // all bricks at most so many away are visible, or invisible, alike
+    vec3 position;     // of the point, in bricks
+    vec3 corner;       // of the brick that holds it
 };
 
 Brick brick_at(vec3 p) {
@@ -21,15 +22,20 @@ Brick brick_at(vec3 p) {
     b.corner = clamp(floor(b.position), vec3(0.0), u_last_brick);
     float code = textureLod(t_distance, (b.corner + 0.5) * u_brick_edge, 0.0).r;
     b.visible = code > 127.0;
-    b.reach = b.visible ? code - 128.0 : code - 1.0;
+    b.clearance = b.visible ? code - 128.0 : code - 1.0;
     return b;
 }
 
-// World length from a point to where its ray leaves the block of bricks that are at most `reach` bricks away.
-float block_exit(Brick b, vec3 inverse_direction_in_bricks, float reach) {
-    vec3 low = b.corner - reach;
-    vec3 high = b.corner + (1.0 + reach);
-    vec3 ahead = mix(low, high, greaterThan(inverse_direction_in_bricks, vec3(0.0)));
-    vec3 t = (ahead - b.position) * inverse_direction_in_bricks;
+// 1 / change of the position in bricks per world unit along a ray, for `clear_length`.
+vec3 inverse_in_bricks(vec3 direction) {
+    return 1.0 / (direction * u_bricks_per_texture + vec3(equal(direction, vec3(0.0))) * 1e-20);
+}
+
+// World length from the point of a brick to where its ray leaves the block of bricks that are visible, or not, alike.
+float clear_length(Brick b, vec3 inverse_direction) {
+    vec3 low = b.corner - b.clearance;
+    vec3 high = b.corner + (1.0 + b.clearance);
+    vec3 ahead = mix(low, high, greaterThan(inverse_direction, vec3(0.0)));
+    vec3 t = (ahead - b.position) * inverse_direction;
     return max(min(t.x, min(t.y, t.z)), 0.0);
 }

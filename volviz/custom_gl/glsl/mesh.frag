@@ -1,5 +1,5 @@
 // Pixels of a triangle mesh: cut, coloured and lit.
-#include "lighting.glsl"
+#include "shade/lit.glsl"
 #if COLOR_TRANSFER_FUNCTION
 #include "sampling.glsl"
 #include "classification.glsl"
@@ -7,14 +7,11 @@ uniform mat4 u_world_to_texture;
 uniform float u_color_depth;          // world units below the surface
 #endif
 #if CUT
-uniform vec3 u_box_low;               // the cropped box in texture coordinates
-uniform vec3 u_box_high;
-uniform int u_plane_count;
-uniform vec4 u_planes[6];             // dot(plane.xyz, texture coordinate) + plane.w >= 0 is kept
+#include "clipping.glsl"
 #endif
 #if SCENE_DEPTH
 uniform sampler2D t_scene_depth;      // window depth of opaque geometry
-uniform vec2 u_size;                  // of this picture, pixels
+uniform vec2 u_size;                  // of this image, pixels
 #endif
 uniform vec3 u_surface_color;
 uniform bool u_mirrored;              // index axes are left-handed in the world: triangles turn the other way
@@ -30,14 +27,6 @@ in vec3 v_offset;
 in vec3 v_normal;
 #endif
 out vec4 f_color;
-
-#if CUT
-bool is_cut(vec3 p) {
-    bool cut = any(lessThan(p, u_box_low)) || any(greaterThan(p, u_box_high));
-    for (int i = 0; i < u_plane_count; ++i) cut = cut || dot(u_planes[i].xyz, p) + u_planes[i].w < 0.0;
-    return cut;
-}
-#endif
 
 // Unit normal in the world, to the side of lower values; zero where there is none.
 vec3 surface_normal() {
@@ -57,7 +46,7 @@ void main() {
     // before anything is discarded: derivatives need the neighbours
     vec3 normal = surface_normal();
 #if CUT
-    if (is_cut(v_point)) discard;
+    if (is_cropped(v_point) || is_clipped(v_point)) discard;
 #endif
 #if SCENE_DEPTH
     if (gl_FragCoord.z > textureLod(t_scene_depth, gl_FragCoord.xy / u_size, 0.0).r) discard;
@@ -70,9 +59,9 @@ void main() {
     color = textureLod(t_value_colors, vec2(v_value, 0.5), 0.0).rgb;
 #endif
 #if COLOR_TRANSFER_FUNCTION
-    color = classify(sample_scalar(v_point - mat3(u_world_to_texture) * (u_color_depth * normal))).rgb;
+    color = curve_color(sample_scalar(v_point - mat3(u_world_to_texture) * (u_color_depth * normal))).rgb;
 #endif
     // a direction has no size that rounding could be told from: any but zero is lit
-    f_color = vec4(lit_at_texture_point(color, 2.0 * u_flat_gradient * normal, v_point), 1.0);
+    f_color = vec4(shade(color, 2.0 * u_flat_gradient * normal, v_point), 1.0);
 #endif
 }

@@ -2,55 +2,27 @@
 //
 // Rays are marched in *texture coordinates* of the volume (0..1, voxel centres at (i + 0.5) / N); the parameter t along
 // a ray is a length in *world units*, whatever the spacing, direction or shear of the lattice.
+#include "clipping.glsl"
 
 uniform mat4 u_clip_to_texture;    // clip space -> texture coordinates
 uniform mat4 u_texture_to_clip;    // its inverse
 uniform vec3 u_world_metric_x;     // rows of the matrix that takes texture-coordinate vectors to world vectors
 uniform vec3 u_world_metric_y;
 uniform vec3 u_world_metric_z;
-uniform vec3 u_box_low;            // the (cropped) box in texture coordinates
-uniform vec3 u_box_high;
-uniform int u_plane_count;
-uniform vec4 u_planes[6];          // clip planes: dot(plane.xyz, texture coordinate) + plane.w >= 0 is kept
 #if SCENE_DEPTH
 uniform sampler2D t_scene_depth;   // window depth of opaque geometry
 #endif
 
-struct Ray {
-    vec3 origin;      // texture coordinates of the point on the near plane
-    vec3 direction;   // change of texture coordinates per world unit
-    float near;       // world length from the origin to the first shown point
-    float far;        // ... to the last one; nothing is shown when far <= near
-};
-
-float world_length(vec3 texture_vector) {
-    return length(vec3(dot(u_world_metric_x, texture_vector), dot(u_world_metric_y, texture_vector),
-                       dot(u_world_metric_z, texture_vector)));
+// A vector in texture coordinates as one in the world.
+vec3 world_vector(vec3 v) {
+    return vec3(dot(u_world_metric_x, v), dot(u_world_metric_y, v), dot(u_world_metric_z, v));
 }
+
+float world_length(vec3 texture_vector) { return length(world_vector(texture_vector)); }
 
 vec3 unproject(vec3 clip) {
     vec4 p = u_clip_to_texture * vec4(clip, 1.0);
     return p.xyz / p.w;
-}
-
-// Entry and exit of the box, as world lengths along the ray (slabs method, Kay & Kajiya 1986).
-void intersect_box(inout Ray ray) {
-    vec3 inverse = 1.0 / (ray.direction + vec3(equal(ray.direction, vec3(0.0))) * 1e-20);
-    vec3 a = (u_box_low - ray.origin) * inverse;
-    vec3 b = (u_box_high - ray.origin) * inverse;
-    vec3 low = min(a, b), high = max(a, b);
-    ray.near = max(ray.near, max(low.x, max(low.y, low.z)));
-    ray.far = min(ray.far, min(high.x, min(high.y, high.z)));
-}
-
-void intersect_planes(inout Ray ray) {
-    for (int i = 0; i < u_plane_count; ++i) {
-        float start = dot(u_planes[i].xyz, ray.origin) + u_planes[i].w;
-        float slope = dot(u_planes[i].xyz, ray.direction);
-        if (slope > 0.0) ray.near = max(ray.near, -start / slope);
-        else if (slope < 0.0) ray.far = min(ray.far, -start / slope);
-        else if (start < 0.0) ray.far = ray.near;
-    }
 }
 
 // World length along the ray at which opaque geometry lies; a very large number where there is none.
@@ -64,17 +36,18 @@ float scene_distance(Ray ray, vec2 ndc) {
 #endif
 }
 
+// The ray from the near plane on, uncut.
 Ray unclipped_ray(vec2 ndc) {
     Ray ray;
     ray.origin = unproject(vec3(ndc, -1.0));
-    vec3 along = unproject(vec3(ndc, 1.0)) - ray.origin;
-    ray.direction = along / world_length(along);
+    vec3 to_far_plane = unproject(vec3(ndc, 1.0)) - ray.origin;
+    ray.direction = to_far_plane / world_length(to_far_plane);
     ray.near = 0.0;
     ray.far = 1e30;
     return ray;
 }
 
-// The ray through a point of the picture (normalised device coordinates), cut by box, planes and scene depth.
+// The ray through a point of the image (normalised device coordinates), cut by box, planes and scene depth.
 Ray make_ray(vec2 ndc) {
     Ray ray = unclipped_ray(ndc);
     intersect_box(ray);

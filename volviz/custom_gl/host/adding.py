@@ -18,11 +18,12 @@ from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz.volume_data.source import VolumeSource
 
 
 def add_volume(
     plotter: Any,
-    volume: Volume | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
+    volume: Volume | VolumeSource | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
     technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
@@ -40,7 +41,7 @@ def add_volume(
     ----------
     plotter : pyvista.Plotter or pyvistaqt.QtInteractor
         Where to show it; the volume goes into its active renderer.
-    volume : Volume, ImageLayer or sequence of layers
+    volume : Volume, VolumeSource, ImageLayer or sequence of layers
         What to show; of layers, one may be visible.
     technique : str, default: "raycast"
         Id of a technique (`volviz.techniques`).

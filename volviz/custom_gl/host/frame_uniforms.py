@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.host.accumulation import sample_phase
+
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
 
@@ -16,40 +18,17 @@ Matrix = npt.NDArray[np.float64]
 MAX_PLANES = 6
 
 
-def texture_to_world(volume: Any, texels: Any) -> Matrix:
-    """4 x 4 matrix from texture coordinates of a volume to the world."""
-    scale, offset = texels.index_to_texture
-    to_index = np.eye(4)
-    to_index[:3, :3] = np.diag(1.0 / scale)
-    to_index[:3, 3] = -offset / scale
-    return np.asarray(volume.index_to_world @ to_index)
-
-
-def about(volume: Any, to_world: Matrix) -> Matrix:
-    """The 4 x 4 matrix `to_world` with its origin moved to the centre of the volume.
-
-    Shaders compute lighting in these centred world coordinates: far from the world's origin, float32 could not
-    tell one voxel from the next. The centre is subtracted here, in float64.
-    """
-    moved = to_world.copy()
-    moved[:3, 3] -= volume.center
-    return moved
-
-
 def shared_uniforms(frame: Frame) -> dict[str, Any]:
     """Values of the uniforms declared in ``glsl/``, by name; matrices are float64 arrays, row-major."""
     volume, texels, common = frame.volume, frame.resources.texels, frame.common
-    to_world = texture_to_world(volume, texels)
-    to_clip = frame.camera.view_projection @ to_world
+    to_world = frame.texture_to_world
     scale, offset = texels.index_to_texture
     crop = np.array(frame.crop).reshape(3, 2)
 
     uniforms: dict[str, Any] = {
-        "u_clip_to_texture": np.linalg.inv(to_clip),
-        "u_texture_to_clip": to_clip,
-        "u_texture_to_world": to_world,
-        "u_world_to_texture": np.linalg.inv(to_world),
-        "u_view_projection": frame.camera.view_projection,
+        "u_clip_to_texture": np.linalg.inv(frame.texture_to_clip),
+        "u_texture_to_clip": frame.texture_to_clip,
+        "u_world_to_texture": frame.world_to_texture,
         "u_world_metric_x": tuple(to_world[0, :3]),
         "u_world_metric_y": tuple(to_world[1, :3]),
         "u_world_metric_z": tuple(to_world[2, :3]),
@@ -66,18 +45,18 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
         "u_gradient_opacity": common.gradient_opacity,
         "u_inverse_gradient_scale": 1.0,
-        "u_texture_to_place": about(volume, to_world),
-        "u_eye": tuple(_eye(frame)),
-        "u_eye_place": tuple(_eye(frame) - volume.center),
+        "u_index_to_texture_scale": tuple(scale),
+        "u_index_to_texture_offset": tuple(offset),
+        "u_texture_to_centred": frame.recentred(to_world),
+        "u_eye_centred": tuple(frame.viewpoint - volume.center),
         "u_view_direction": tuple(frame.camera.direction),
-        "u_light_position": tuple(light_place(frame)),
-        "u_light_place": tuple(light_place(frame) - volume.center),
+        "u_light_centred": tuple(frame.light_source - volume.center),
         "u_light_color": frame.light_color,
         "u_flat_gradient": 1e-5 / volume.mean_spacing,
         "u_material": (
             common.ambient, common.diffuse, common.specular, common.shininess,
         ),
-        "u_first_sample": common.first_sample,
+        "u_first_sample": sample_phase(common.first_sample, frame.sequence),
         "u_early_termination": common.early_termination,
         "u_jitter": common.jitter,
         "u_jitter_seed": float(frame.sequence),
@@ -91,24 +70,13 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
     return uniforms
 
 
-def _eye(frame: Frame) -> Matrix:
-    """World position from which surfaces are seen; far behind the view for parallel projection."""
-    if not frame.camera.parallel:
-        return frame.camera.eye
-    extent = float(np.linalg.norm(frame.volume.extent))
-    return np.asarray(np.array(frame.volume.center) - frame.camera.direction * (1e4 * extent))
-
-
-def light_place(frame: Frame) -> Matrix:
-    """World position from which the light comes: the eye for a headlight."""
-    return _eye(frame) if frame.headlight else frame.light_position
-
-
 def _planes(frame: Frame, to_world: Matrix) -> Matrix:
-    """Clip planes in texture coordinates, shape (MAX_PLANES, 4)."""
+    """Clip planes in texture coordinates, shape (MAX_PLANES, 4), scaled for tests with one tolerance."""
     planes = np.zeros((MAX_PLANES, 4))
+    # distances in lengths of the volume, or nearly: dividing by a power of two rounds nothing
+    unit = 2.0 ** -math.frexp(float(np.linalg.norm(frame.volume.extent)))[1]
     for row, (origin, normal) in enumerate(frame.planes):
-        n = np.asarray(normal)
+        n = np.asarray(normal) * unit
         planes[row, :3] = to_world[:3, :3].T @ n
         planes[row, 3] = n @ (to_world[:3, 3] - np.asarray(origin))
     return planes

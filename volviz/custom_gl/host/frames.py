@@ -9,7 +9,7 @@ import numpy as np
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
-from volviz.custom_gl.host.accumulation import jittered_camera, sample_phase
+from volviz.custom_gl.host.accumulation import jittered_camera
 from volviz.custom_gl.host.frame_uniforms import box_tiles, level_of_detail, shared_uniforms
 from volviz.custom_gl.host.mesh_filters import filter_triangles
 from volviz.custom_gl.host.mesh_reading import read_triangles
@@ -101,5 +101,4 @@ def make_frame(
     frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, frame.size, tile)
     if shown.info.uses_textures:
         frame.uniforms = shared_uniforms(frame)
-        frame.uniforms["u_first_sample"] = sample_phase(frame.uniforms["u_first_sample"], sequence)
     return frame

@@ -13,7 +13,6 @@ from typing import Any
 import moderngl
 
 from volviz.custom_gl.host import vtk_border as vtk
-from volviz.custom_gl.host.frame_uniforms import light_place
 from volviz.custom_gl.host.prop_pieces import PieceSizes
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame, PropTechnique, Tile
@@ -267,7 +266,7 @@ class PropDrawing:
         else:
             self._light.SetLightTypeToSceneLight()
             self._light.PositionalOn()
-            self._light.SetPosition(*light_place(frame))
+            self._light.SetPosition(*frame.light_source)
             self._light.SetFocalPoint(*frame.volume.center)
         self._renderer.UpdateLightsGeometryToFollowCamera()
 

@@ -193,12 +193,9 @@ class MeshTechnique:
             many_vertices=True,
         )
         matrix = volume.index_to_world
-        scale, offset = frame.resources.texels.index_to_texture
         program.set(
             {
                 "u_index_to_clip": frame.camera.view_projection @ matrix,
-                "u_index_to_texture_scale": tuple(scale),
-                "u_index_to_texture_offset": tuple(offset),
                 "u_index_to_world_vector": matrix[:3, :3],
                 "u_near_index": tuple(_near_index(frame)),
                 "u_mirrored": bool(np.linalg.det(matrix[:3, :3]) < 0),

@@ -5,7 +5,7 @@
 #define VERTEX_STAGE 0
 #include "tangent_space.glsl"
 #include "classification.glsl"
-#include "shown_part.glsl"
+#include "clipping.glsl"
 
 uniform vec2 u_size;
 uniform vec3 u_light_color;
@@ -37,17 +37,17 @@ const float GAIN = 32.0;
 #define DISPLAY_LIGHT 4
 #define DISPLAY_DIFFERENCE 5
 
-// Colour and opacity of the place itself, before any light.
+// Colour and opacity of the point itself, before any light.
 vec4 surface_color(vec3 p) {
     vec4 surface = vec4(u_flat_color, 1.0);
 #if MESH && !MESH_FILE
     // a coarse triangle lies beside the surface: its colour is that of the isovalue
 #if COLOR_TABLE
-    surface.rgb = classify(max(u_mesh_fraction, u_density_threshold)).rgb;
+    surface.rgb = curve_color(max(u_mesh_fraction, u_density_threshold)).rgb;
 #endif
 #else
     float s = sample_scalar(p);
-    vec4 c = classify(s);
+    vec4 c = curve_color(s);
 #if COLOR_TABLE
     surface.rgb = c.rgb;
 #endif
@@ -65,7 +65,11 @@ void main() {
     vec3 p = v_texture;
     // before anything is discarded: neighbouring pixels tell how fine the map is looked up
     vec3 n = tangent_normal(p, v_uv, v_tangent, v_binormal, v_normal, gl_FrontFacing ? 1.0 : -1.0);
-    if (!is_shown(p)) discard;
+    if (is_clipped(p)) discard;
+#if MESH
+    // flat surfaces are cut with the box beforehand
+    if (is_cropped(p)) discard;
+#endif
 #if SCENE_DEPTH
     if (gl_FragCoord.z > textureLod(t_scene_depth, gl_FragCoord.xy / u_size, 0.0).r) discard;
 #endif

@@ -161,7 +161,7 @@ class BumpMapping:
             surface=s.surface,
             plane=(s.plane_origin, s.plane_normal),
             up=s.plane_up,
-            eye=np.asarray(frame.uniforms["u_eye"]),
+            eye=frame.viewpoint,
         )
         data, self._ranges = vertex_data(pieces, middle, s.subdivisions if s.lighting == "vertex" else 1)
         key = ("polygons", data.tobytes())
@@ -240,7 +240,7 @@ class BumpMapping:
         return program
 
     def _uniforms(self, frame: Frame) -> dict[str, Any]:
-        s, volume, shared = frame.settings, frame.volume, frame.uniforms
+        s, volume = frame.settings, frame.volume
         middle = np.asarray(volume.center)
         to_world = np.eye(4)
         to_world[:3, 3] = middle
@@ -249,9 +249,9 @@ class BumpMapping:
         tile = s.tile_size if s.tile_size is not None else float(extent.max()) / TILES
         return {
             "u_relative_to_clip": frame.camera.view_projection @ to_world,
-            "u_relative_to_texture": shared["u_world_to_texture"] @ to_world,
-            "u_relative_light": shared["u_light_place"],
-            "u_relative_eye": shared["u_eye_place"],
+            "u_relative_to_texture": frame.world_to_texture @ to_world,
+            "u_relative_light": tuple(frame.light_source - middle),
+            "u_relative_eye": tuple(frame.viewpoint - middle),
             "u_tiles_per_world": 1.0 if s.surface == "mesh" and self._own_uv else 1.0 / tile,
             "u_bump_strength": s.bump_strength,
             "u_relief_height": s.bump_strength * RELIEF_VOXELS * volume.mean_spacing,

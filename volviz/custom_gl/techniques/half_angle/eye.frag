@@ -1,5 +1,6 @@
 // A slice as the eye sees it, lit by what the slices before it have left of the light.
 #include "slab.glsl"
+#include "lighting.glsl"
 #include "noise.glsl"
 
 uniform vec2 u_size;
@@ -21,17 +22,17 @@ const int SCATTERING_TAPS = 12;
 
 vec3 light_at(vec3 p) {
     vec4 clip = u_texture_to_light * vec4(p, 1.0);
-    vec2 place = clip.xy / clip.w * 0.5 + 0.5;
-    vec3 light = textureLod(t_light, place, 0.0).rgb;
+    vec2 uv = clip.xy / clip.w * 0.5 + 0.5;
+    vec3 light = textureLod(t_light, uv, 0.0).rgb;
 #if SCATTERING
-    vec3 around = vec3(0.0);
+    vec3 scattered = vec3(0.0);
     // a spiral that fills the disc evenly (Vogel 1979)
     for (int i = 0; i < SCATTERING_TAPS; ++i) {
         float radius = SCATTERING_RADIUS * sqrt((float(i) + 0.5) / float(SCATTERING_TAPS));
         float angle = 2.399963 * float(i);
-        around += textureLod(t_light, place + radius * vec2(cos(angle), sin(angle)), 0.0).rgb;
+        scattered += textureLod(t_light, uv + radius * vec2(cos(angle), sin(angle)), 0.0).rgb;
     }
-    light = mix(light, around / float(SCATTERING_TAPS), u_scattering);
+    light = mix(light, scattered / float(SCATTERING_TAPS), u_scattering);
 #endif
     return light;
 }
@@ -50,10 +51,10 @@ void main() {
     vec3 to_scene = unproject(vec3(window, depth) * 2.0 - 1.0) - v_texture;
     if (depth < 1.0) ray.far = min(ray.far, dot(world_vector(to_scene), world_vector(ray.direction)));
 #endif
-    float piece = ray.far - ray.near;
-    if (!(piece > 0.0)) discard;
+    float segment = ray.far - ray.near;
+    if (!(segment > 0.0)) discard;
     float fraction = u_jitter ? pixel_noise(gl_FragCoord.xy, u_jitter_seed) : u_first_sample;
-    vec3 p = ray.origin + (ray.near + fraction * piece) * ray.direction;
+    vec3 p = ray.origin + (ray.near + fraction * segment) * ray.direction;
     vec3 gradient;
     vec4 c = slab_sample(p, gradient);
     vec3 light = light_at(p);
@@ -64,12 +65,12 @@ void main() {
     light *= transmitted(c, max(behind, 0.0) * slant(light_ray));
 #endif
 #if SHADING
-    vec3 full = lit_at_texture_point(c.rgb, gradient, p);
+    vec3 full = shade(c.rgb, gradient, p);
     vec3 dark = u_ambient * c.rgb;
     vec3 color = dark + light * (full - dark);
 #else
     vec3 color = c.rgb * (u_ambient + (1.0 - u_ambient) * u_light_color * light);
 #endif
-    float a = corrected_opacity(c.a, piece);
+    float a = corrected_opacity(c.a, segment);
     f_color = vec4(color * a, a);
 }

@@ -108,7 +108,7 @@ class Slabs:
             -slicing.half_vector,
             slab_centres(low, high, count),
         )
-        to_texture = frame.uniforms["u_world_to_texture"]
+        to_texture = frame.world_to_texture
         # in float64: world coordinates may be large against the volume's size
         vertices = vertices @ to_texture[:3, :3].T + to_texture[:3, 3]
         positions, first = fan_triangles(vertices, sides)

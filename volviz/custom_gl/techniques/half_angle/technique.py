@@ -113,20 +113,20 @@ class HalfAngle:
         self, frame: Frame, eye: Array, light: Array, to_light: Array, *, headlight: bool
     ) -> dict[str, Any]:
         settings = frame.settings
-        to_texture = frame.uniforms["u_world_to_texture"]
+        to_texture = frame.world_to_texture
         uniforms = {
             "u_slab": self._slabs.thickness,
             "u_half_vector": tuple(self._slicing.half_vector),
             "u_eye_from": tuple(_through(to_texture, eye)),
             "u_light_from": tuple(_through(to_texture, light)),
-            "u_texture_to_light": to_light @ frame.uniforms["u_texture_to_world"],
+            "u_texture_to_light": to_light @ frame.texture_to_world,
             "u_kappa": settings.attenuation_color,
             "u_material_tint": settings.material_tint,
             "u_ambient": settings.ambient,
             "u_scattering": settings.scattering,
         }
         if headlight:
-            uniforms["u_light_place"] = frame.uniforms["u_eye_place"]
+            uniforms["u_light_centred"] = tuple(frame.viewpoint - frame.volume.center)
         return uniforms
 
     def _chunks(self, frame: Frame) -> list[tuple[int, int]]:
@@ -156,7 +156,7 @@ class HalfAngle:
         inside = {"EYE_INSIDE": self._eye_inside, "CLIPS_DEPTH": not self._eye_inside}
         scattering = frame.settings.scattering > 0
         eye = self._program(frame, "eye.frag", {"CLASSIC_LIGHT": classic, "SCATTERING": scattering} | inside)
-        eye.set({"u_texture_to_pass": frame.uniforms["u_texture_to_clip"]})
+        eye.set({"u_texture_to_pass": frame.texture_to_clip})
         eye.use_texture("t_light", buffer.color)
         light = self._program(frame, "light.frag", {"CLASSIC_LIGHT": classic, "CLIPS_DEPTH": False})
         light.set({"u_texture_to_pass": self._uniforms["u_texture_to_light"]})

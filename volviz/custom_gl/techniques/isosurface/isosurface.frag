@@ -4,7 +4,7 @@
 // number of isovalues it is inside of; a change of level between two samples means crossings of the isovalues between.
 #include "rays.glsl"
 #include "sampling.glsl"
-#include "lighting.glsl"
+#include "shade/lit.glsl"
 #include "empty_space.glsl"
 
 uniform float u_step;                // world units
@@ -48,16 +48,15 @@ void main() {
     if (!(ray.far > ray.near)) discard;
     float total = ray.far - ray.near;
     float inverse_step = 1.0 / u_step;
-    // samples 0..last; the last piece is shorter, and below a thousandth of a step it is rounding
+    // samples 0..last; the last segment is shorter, and below a thousandth of a step it is rounding
     int last = max(int(ceil(total * inverse_step - 1e-3)), 1);
     vec3 entry = ray.origin + ray.near * ray.direction;
-    vec3 inverse_in_bricks = 1.0 / (ray.direction * u_bricks_per_texture
-                                    + vec3(equal(ray.direction, vec3(0.0))) * 1e-20);
+    vec3 inverse_direction = inverse_in_bricks(ray.direction);
     vec4 sum = vec4(0.0);
     float depth = 1.0;
     vec3 point = vec3(0.0), normal = vec3(0.0);   // of the nearest surface
     float samples = 0.0;
-    int k = 0;             // sample at the front end of the present piece
+    int k = 0;             // sample at the front end of the present segment
     int run_end = 0;       // samples before this one lie in bricks that a surface may cross
     int level = -1;        // of the point reached so far; -1 = to be sampled at k
     float front = 0.0, back = 0.0;
@@ -73,15 +72,15 @@ void main() {
             bool search = k >= run_end;
             while (search && found <= last) {
                 Brick b = brick_at(entry + min(float(found) * u_step, total) * ray.direction);
-                int whole = int(block_exit(b, inverse_in_bricks, b.reach) * inverse_step);
+                int clear = int(clear_length(b, inverse_direction) * inverse_step);
                 search = !b.visible;
                 if (search) {
-                    found += max(whole, 1);
-                    // a piece with one end in such a brick counts: begin one sample earlier
+                    found += max(clear, 1);
+                    // a segment with one end in such a brick counts: begin one sample earlier
                     k = min(found - 1, last);
                     level = -1;
                 } else {
-                    run_end = found + 1 + whole;
+                    run_end = found + 1 + clear;
                 }
             }
             if (level < 0) {
@@ -106,7 +105,7 @@ void main() {
         vec3 p = entry + t * ray.direction;
         vec3 gradient = world_gradient(p);
         vec4 look = u_surface_colors[surface];
-        vec3 lit = lit_at_texture_point(look.rgb, gradient, p);
+        vec3 lit = shade(look.rgb, gradient, p);
         if (depth == 1.0 && sum.a + (1.0 - sum.a) * look.a >= SEEN) depth = window_depth(p);
         if (sum.a == 0.0) { point = p; normal = -gradient; }
         sum += (1.0 - sum.a) * look.a * vec4(lit, 1.0);

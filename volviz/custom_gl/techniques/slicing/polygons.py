@@ -47,7 +47,7 @@ class SlicePolygons:
         if frame.interactive:
             count = max(round(count / frame.step_scale), MIN_SLICES) if frame.settings.slices else count
         position = frame.settings.first_sample
-        to_texture = frame.uniforms["u_world_to_texture"]
+        to_texture = frame.world_to_texture
         key = (corners.tobytes(), direction.tobytes(), count, position, to_texture.tobytes())
         if key == self._key:
             return

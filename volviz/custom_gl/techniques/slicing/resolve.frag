@@ -1,6 +1,5 @@
 // From what the slices left in the accumulation target to colour.
-#include "classification.glsl"
-#include "modes/scalar_result.glsl"
+#include "scalar_result.glsl"
 
 uniform sampler2D t_accumulated;
 out vec4 f_color;

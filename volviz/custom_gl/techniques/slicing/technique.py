@@ -129,17 +129,15 @@ class Slicing:
             _HERE / "slicing.frag",
             hooks={"blend": _HERE / "blends" / f"{blend}.glsl"},
         )
-        to_clip = frame.uniforms["u_texture_to_clip"]
+        to_clip = frame.texture_to_clip
         program.set(
             {
                 "u_near_plane": tuple(to_clip[2] + to_clip[3]),
                 "u_slice_distance": self.polygons.distance,
                 "u_perspective": not frame.camera.parallel,
                 "u_eye_texture": tuple(self._eye(frame)),
-                "u_direction_texture": tuple(
-                    frame.uniforms["u_world_to_texture"][:3, :3] @ frame.camera.direction
-                ),
-                "u_texture_to_world_vector": frame.uniforms["u_texture_to_world"][:3, :3],
+                "u_direction_texture": tuple(frame.world_to_texture[:3, :3] @ frame.camera.direction),
+                "u_texture_to_world_vector": frame.texture_to_world[:3, :3],
             }
         )
         return program
@@ -147,7 +145,7 @@ class Slicing:
     @staticmethod
     def _eye(frame: Frame) -> npt.NDArray[np.float64]:
         """The eye in texture coordinates."""
-        to_texture = frame.uniforms["u_world_to_texture"]
+        to_texture = frame.world_to_texture
         return np.asarray(to_texture[:3, :3] @ frame.camera.eye + to_texture[:3, 3])
 
     # ------------------------------------------------------------------ the other chunks

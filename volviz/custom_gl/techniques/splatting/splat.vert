@@ -1,13 +1,12 @@
 // A splat: placed, lit and coloured once, as a point of the right size or as a quad where points would not do.
 #include "classification.glsl"
 #include "lighting.glsl"
+#include "clipping.glsl"
 
-uniform mat4 u_index_to_place;     // world units from the middle of the volume
+uniform mat4 u_index_to_centred;
 uniform mat4 u_index_to_clip;
-uniform vec3 u_crop_low;             // voxel indices
-uniform vec3 u_crop_high;
-uniform int u_plane_count;
-uniform vec4 u_index_planes[6];      // dot(plane.xyz, index) + plane.w >= 0 is kept
+uniform vec3 u_index_to_texture_scale;
+uniform vec3 u_index_to_texture_offset;
 uniform float u_diameter;            // world units
 uniform float u_pixels_per_unit;     // at w = 1
 uniform vec2 u_size;
@@ -28,20 +27,17 @@ const vec3 CLASSIC_COLOR = vec3(0.75, 0.5, 0.5);
 // A Gaussian smaller than this would fall between the pixels.
 const float SMALLEST_GAUSSIAN = 2.5;
 
-bool is_kept() {
-    if (any(lessThan(a_index, u_crop_low)) || any(greaterThan(a_index, u_crop_high))) return false;
-    for (int i = 0; i < u_plane_count; ++i) {
-        if (dot(u_index_planes[i].xyz, a_index) + u_index_planes[i].w < 0.0) return false;
-    }
-    return true;
-}
-
 void main() {
     vec4 clip = u_index_to_clip * vec4(a_index, 1.0);
-    vec4 classified = classify(a_value);
+    vec4 classified = curve_color(a_value);
     vec3 color = u_classic_color ? CLASSIC_COLOR : classified.rgb;
 #if SHADING
-    color = lit_color(color, 2.0 * u_flat_gradient * a_normal, (u_index_to_place * vec4(a_index, 1.0)).xyz);
+    // a direction has no size that rounding could be told from: any but zero is lit
+    vec3 normal = 2.0 * u_flat_gradient * a_normal;
+    float size = length(normal);
+    if (size > u_flat_gradient) {
+        color = lit_color(color, normal / size, (u_index_to_centred * vec4(a_index, 1.0)).xyz, 1.0);
+    }
 #endif
     float pixels = u_diameter * u_pixels_per_unit / clip.w;
     v_color = vec4(color, 1.0);
@@ -54,7 +50,8 @@ void main() {
     pixels = max(pixels, 1.0);
     bool seen = true;
 #endif
-    if (!seen || !(clip.w > 0.0) || !is_kept()) clip = vec4(2.0, 2.0, 2.0, 1.0);
+    vec3 p = a_index * u_index_to_texture_scale + u_index_to_texture_offset;
+    if (!seen || !(clip.w > 0.0) || is_cropped(p) || is_clipped(p)) clip = vec4(2.0, 2.0, 2.0, 1.0);
     v_pixels = pixels;
 #if QUADS
     v_place = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;

@@ -228,21 +228,11 @@ class Splatting:
             {"QUADS": layout.quads, "GAUSSIAN": translucent},
             many_vertices=True,
         )
-        crop = np.array(frame.crop).reshape(3, 2)
-        planes = np.zeros((6, 4))
         matrix = volume.index_to_world
-        to_place = matrix.copy()
-        to_place[:3, 3] -= volume.center
-        for row, (origin, normal) in enumerate(frame.planes):
-            planes[row, :3] = matrix[:3, :3].T @ np.asarray(normal)
-            planes[row, 3] = np.asarray(normal) @ (matrix[:3, 3] - np.asarray(origin))
         program.set(
             {
-                "u_index_to_place": to_place,
+                "u_index_to_centred": frame.recentred(matrix),
                 "u_index_to_clip": frame.camera.view_projection @ matrix,
-                "u_crop_low": tuple(crop[:, 0]),
-                "u_crop_high": tuple(crop[:, 1]),
-                "u_index_planes": planes,
                 "u_diameter": layout.diameter,
                 "u_pixels_per_unit": self._pixels_per_unit(frame),
                 "u_classic_color": frame.settings.splat_color == "classic",

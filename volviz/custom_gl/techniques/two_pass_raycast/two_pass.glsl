@@ -1,11 +1,6 @@
 // The ray between a point where it enters the box and one where it leaves.
 #include "rays.glsl"
 
-vec3 world_vector(vec3 texture_vector) {
-    return vec3(dot(u_world_metric_x, texture_vector), dot(u_world_metric_y, texture_vector),
-                dot(u_world_metric_z, texture_vector));
-}
-
 // Positions along the ray count from `entry`; what lies before the near plane, outside the clip planes or behind
 // opaque geometry is cut off. entry = exit, or nothing left: far <= near.
 Ray ray_between(vec3 entry, vec3 exit, vec2 ndc) {

@@ -1,2 +1,2 @@
 // The scalar itself, blended with MAX or MIN.
-vec4 slice_color(float s, vec3 p, float piece) { return vec4(s); }
+vec4 slice_color(float s, vec3 p, float segment_length) { return vec4(s); }

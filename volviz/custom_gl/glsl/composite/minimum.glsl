@@ -1,0 +1,14 @@
+// The smallest scalar along the ray, classified afterwards.
+#define COMPOSITE_SKIPS 0
+#include "scalar_result.glsl"
+
+float g_extreme;
+
+void composite_begin(float ray_length) { g_extreme = 2.0; }
+
+bool composite_add(float front, float back, vec3 p, float segment_length, bool full_step) {
+    if (front >= u_density_threshold) g_extreme = min(g_extreme, front);
+    return false;
+}
+
+vec4 composite_end() { return g_extreme > 1.5 ? vec4(0.0) : classified_result(g_extreme); }
