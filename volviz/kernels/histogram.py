@@ -106,7 +106,9 @@ def even_histogram(
     index = np.minimum((share * bins).astype(np.intp), bins - 1)
     fractions = np.arange(bins + 1) / bins
     counts = np.bincount(index.ravel(), None if weights is None else weights.ravel(), bins)
-    return np.asarray(counts, np.float64), low * (1 - fractions) + high * fractions
+    # the sum of two products may end a rounding below its neighbour
+    edges = np.maximum.accumulate(np.clip(low * (1 - fractions) + high * fractions, low, high))
+    return np.asarray(counts, np.float64), edges
 
 
 def histogram(
