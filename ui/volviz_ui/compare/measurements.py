@@ -7,14 +7,16 @@ from typing import Any
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.compare.settings_match import match_second, setting_differences
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.arguments import changed_spec
+from volviz.custom_gl.scene_techniques import current_technique, render_spec
 from volviz.errors import Cancelled
+from volviz.model.render_spec import View
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
 from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
 from volviz_ui.compare.frame_timing import FrameTiming
 from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.view_area import ViewArea
 from volviz_ui.workers import Task, Workers
 
@@ -70,15 +72,14 @@ class Measurements(QObject):
         self._timer.setInterval(DELAY_MS)
         self._timer.timeout.connect(self._measure)
         views.pair_completed.connect(self._on_pair_completed)
-        documents.volume_changed.connect(self._on_volume_changed)
-        store.changed.connect(self._on_scene_changed)
+        documents.changed.connect(self._on_shown_changed)
 
     @property
     def _wanted(self) -> bool:
         """Whether anybody looks at figures, or at the map of similarity."""
-        comparison = self._store.scene.comparison
-        similarity = comparison.mode == "difference" and comparison.map == "ssim"
-        return len(self._store.scene.views) > 1 and (self._watched or similarity)
+        scene = self._documents.shown.scene
+        similarity = scene.comparison.mode == "difference" and scene.comparison.map == "ssim"
+        return len(scene.views) > 1 and (self._watched or similarity)
 
     # ------------------------------------------------------------------ pictures and meshes
 
@@ -97,24 +98,25 @@ class Measurements(QObject):
 
     def _measure(self) -> None:
         pair = self._views.arrangement.pair
-        volume, scene = self._documents.volume, self._store.scene
+        volume, scene = self._documents.volume, self._documents.shown.scene
         pictures = self._views.pair_pictures()
         if pair is None or volume is None or pictures is None or scene.view.camera is None:
             return
         if pictures[0].shape != pictures[1].shape:
             return
         sides = [
-            Side(current_technique(scene, pane.view).id, current_settings(scene, pane.view), picture)
+            Side(changed_spec(render_spec(scene, pane.view), volume=volume), picture)
             for pane, picture in zip(pair, pictures, strict=True)
         ]
-        camera, clipping, meshes = scene.view.camera, scene.clipping, self.meshes
+        height, width = pictures[0].shape[:2]
+        view, meshes = View(scene.view.camera, (width, height)), self.meshes
 
         def work(task: Task) -> PairFigures:
             def check() -> None:
                 if task.is_cancelled:
                     raise Cancelled("The measurement was cancelled.")
 
-            return pair_figures((sides[0], sides[1]), volume, camera, clipping, meshes, check)
+            return pair_figures((sides[0], sides[1]), view, meshes, check)
 
         self.state_changed.emit(self.tr("Measuring…"))
         task = self._workers.start(work, label=self.tr("Measure"), key="compare")
@@ -161,12 +163,12 @@ class Measurements(QObject):
 
     # ------------------------------------------------------------------ what changes
 
-    def _on_volume_changed(self, _volume: Volume | None) -> None:
-        self.meshes.clear()
-        self._forget()
-
-    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
-        if _drawn(old) != _drawn(new):
+    def _on_shown_changed(self, before: LoadedScene, after: LoadedScene) -> None:
+        old, new = before.scene, after.scene
+        if before.volume is not after.volume:
+            self.meshes.clear()
+            self._forget()
+        elif _drawn(old) != _drawn(new):
             self._forget()
         if _converging(old) != _converging(new):
             self.convergence_outdated.emit()
@@ -188,7 +190,7 @@ class Measurements(QObject):
 
     def tell_pair(self) -> None:
         """Emit what is known of the present pair without measuring."""
-        scene = self._store.scene
+        scene = self._documents.shown.scene
         pair = self._views.arrangement.pair
         several = len(scene.views) > 1 and pair is not None
         self.several_changed.emit(several)
@@ -204,7 +206,7 @@ class Measurements(QObject):
 
     def close(self) -> None:
         """Stop measuring: the window closes."""
-        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._documents.changed.disconnect(self._on_shown_changed, missing_ok=True)
         self._timer.stop()
         self.timing.cancel()
         self._workers.cancel("compare")
