@@ -76,7 +76,7 @@ def test_a_drag_of_the_isovalue_shows_new_meshes_while_it_lasts(window: MainWind
     def note(_status: object) -> None:
         technique = display.handle._runner.technique
         blocks = technique._shown[True].blocks
-        now = None if blocks is None else blocks.mesh.wish.isovalue
+        now = None if blocks is None else blocks.mesh.request.isovalue
         if now in series and now not in shown[-1:]:
             shown.append(now)
 
@@ -90,7 +90,7 @@ def test_a_drag_of_the_isovalue_shows_new_meshes_while_it_lasts(window: MainWind
     assert shown == series
     display.end_gesture()
     wait_for(lambda: is_complete(window))
-    assert display.handle.mesh.wish.isovalue == 150.0
+    assert display.handle.mesh.request.isovalue == 150.0
 
 
 def test_a_wake_reaches_the_window_from_any_thread_and_not_what_has_gone(

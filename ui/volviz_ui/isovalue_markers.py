@@ -7,6 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject
 
 from volviz.custom_gl.scene_techniques import change_setting, current_settings, current_technique
+from volviz.model.parameters import setting_values
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
@@ -34,12 +35,12 @@ class IsovalueMarkers(QObject):
     def _show(self, _changed: Any) -> None:
         values = self._values()
         settings = current_settings(self._store.scene)
-        self._editor.set_isovalues(values, tuple(getattr(settings, "colors", ())))
+        self._editor.set_isovalues(values, tuple(setting_values(settings).get("colors", ())))
 
     def _values(self) -> tuple[float, ...]:
+        scene = self._store.scene
         if self._volume is None:
             return ()
-        scene = self._store.scene
         return current_technique(scene).isovalues(current_settings(scene), self._volume)
 
     def _on_moved(self, index: int, value: float) -> None:

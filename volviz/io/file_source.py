@@ -7,11 +7,21 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from volviz.errors import InputError, LoadError
 from volviz.io.axes import are_colours
-from volviz.model.volume import Volume, check_dimensions, checked_direction, checked_spacing
+from volviz.io.resampling import Rectangular
+from volviz.model.volume import (
+    SHEAR_LIMIT,
+    Volume,
+    check_dimensions,
+    checked_direction,
+    checked_spacing,
+    shear_of,
+)
 from volviz.volume_data.references import content_id
-from volviz.volume_data.source import Channel, Description, Level, ReadRequest, VolumeSource
+from volviz.volume_data.source import Channel, Description, Label, Level, ReadRequest, VolumeSource
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -72,6 +82,19 @@ def told_in_a_sentence(job: Job) -> Iterator[None]:
         raise job.error(f"the system cannot read it ({reason}); check disk and path.") from None
 
 
+def _resampled(values: Values, upright: Rectangular) -> Values:
+    """The values of a sheared lattice on a rectangular one."""
+
+    def read(job: Job) -> npt.NDArray[Any]:
+        array = upright.resampled(values(replace(job, box=None)))
+        if job.box is None:
+            return array
+        i0, i1, j0, j1, k0, k1 = job.box
+        return np.ascontiguousarray(array[k0:k1, j0:j1, i0:i1])
+
+    return read
+
+
 def file_source(
     job: Job,
     values: Values,
@@ -86,6 +109,7 @@ def file_source(
     channels: Sequence[Channel] = (),
     times: Sequence[float] | None = None,
     is_labels: bool = False,
+    labels: Sequence[Label] = (),
     unit: str = "",
     length_unit: str = "",
     **metadata: Any,
@@ -103,7 +127,7 @@ def file_source(
         Of the finest level, as the file says it.
     dtype, colour
         Decide whether components are colours (see `to_zyx`).
-    channels, times, is_labels, unit, length_unit
+    channels, times, is_labels, labels, unit, length_unit
         As in `Description`; channels that do not fit the axes are left out.
 
     Raises
@@ -118,6 +142,14 @@ def file_source(
     if letter == "S" and are_colours(axes, tuple(shape), dtype, colour):
         channels = _COLOURS[:count]
     dimensions = sizes["X"], sizes["Y"], sizes.get("Z", 1)
+    shear = shear_of(np.asarray(geometry.direction, np.float64).reshape(3, 3))
+    if shear > SHEAR_LIMIT and min(dimensions) > 1:
+        upright = Rectangular.around(dimensions, geometry)
+        dimensions, geometry, values = upright.dimensions, upright.geometry, _resampled(values, upright)
+        job.note(
+            f"The axes of the file are sheared by {shear:.1f} degrees (a tilted gantry, say); "
+            "it is resampled onto a rectangular lattice."
+        )
     called = hints.name or name
     try:
         check_dimensions(dimensions, called)
@@ -134,6 +166,7 @@ def file_source(
         times=tuple(times) if times is not None and len(times) == time_count else None,
         channels=tuple(channels) if len(channels) == (count or 1) else (),
         is_labels=is_labels,
+        labels=tuple(labels),
         name=called,
         unit=unit if hints.unit is None else hints.unit,
         length_unit=length_unit,

@@ -28,6 +28,7 @@ from PySide6.QtWidgets import (
 
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import setting_values
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
@@ -267,13 +268,10 @@ class CrosscheckPanel(QWidget):
 
 def _shown_surface(scene: Scene) -> tuple[float | None, str]:
     """Isovalue (None: automatic) and method of the surface that the technique shows."""
-    settings = current_settings(scene)
-    value = getattr(settings, "isovalue", None)
-    if value is None:
-        value = next(iter(getattr(settings, "isovalues", None) or ()), None)
-    info = current_technique(scene)
+    info, values = current_technique(scene), setting_values(current_settings(scene))
+    value = values.get(info.isovalue_setting)
     own = info.extraction if info.kind == "image" else ""
-    return value, str(getattr(settings, "method", own)) or "lorensen"
+    return value[0] if isinstance(value, tuple) else value, str(values.get("method", own)) or "lorensen"
 
 
 def table_rows(report: CrosscheckReport) -> list[tuple[str, list[str]]]:
