@@ -72,7 +72,9 @@ def main() -> None:
     plotter.close()
     low, middle, high = np.quantile(np.array(pictures) / np.array(frames), (0.25, 0.5, 0.75))
     print(f"{opengl}: {options.sample}, {options.technique}, {width} x {height}, {options.pictures} pictures")
-    print(f"frame in an open plotter {1000 * np.median(frames):.2f} ms, picture {1000 * np.median(pictures):.2f} ms")
+    print(
+        f"frame in an open plotter {1000 * np.median(frames):.2f} ms, picture {1000 * np.median(pictures):.2f} ms"
+    )
     print(
         f"pictures / frames: {sum(pictures) / sum(frames):.3f} in all, "
         f"median {middle:.3f} ({low:.3f} to {high:.3f})"
