@@ -126,6 +126,7 @@ def style_sheet(colors: Colors) -> str:
     QToolBar QToolButton:hover {{ background: {c.button}; border-color: {c.border}; }}
     QToolBar QToolButton:pressed, QToolBar QToolButton:checked {{ background: {c.border}; }}
     QToolBar QToolButton:focus {{ border-color: {c.accent}; }}
+    QToolButton#qt_toolbar_ext_button {{ padding: 0; min-width: 16px; }}
     QToolBar QToolButton[popupMode="2"] {{ padding-right: 16px; }}
     QToolBar QToolButton::menu-indicator {{
         subcontrol-origin: padding; subcontrol-position: center right; right: 3px;

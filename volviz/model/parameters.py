@@ -97,6 +97,9 @@ class Parameter:
                 return None
             raise SettingError(f"{self.name} needs a value: {self._expected()}.")
         try:
+            if isinstance(value, (str, bytes)) and self.kind not in ("choice", "path"):
+                # its characters would pass for numbers, "50" for (5, 0); text is for `parse`
+                raise TypeError
             return getattr(self, f"_check_{self.kind}")(value)
         except (TypeError, ValueError, OverflowError) as error:
             if isinstance(error, InputError):
