@@ -208,7 +208,7 @@ def mesh_area_volume(mesh: pyvista.PolyData) -> tuple[float, float]:
     InputError
         The mesh has other cells than triangles.
     """
-    from volviz.compare.mesh_metrics import enclosed_volume, surface_area
+    from volviz.kernels.mesh_metrics import enclosed_volume, surface_area
 
     vertices, faces = triangle_arrays(mesh)
     return surface_area(vertices, faces), enclosed_volume(vertices, faces)

@@ -11,11 +11,11 @@ import pytest
 import volviz
 from tests.render.scenes import LEFT_HANDED, OBLIQUE, Requests, blobs
 from tests.render.test_marching_interaction import complete, shown
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.custom_gl.host.mesh_filters import filter_triangles
 from volviz.custom_gl.mesh_drawing import MeshWish, world_triangles
 from volviz.errors import Cancelled
 from volviz.kernels.marching import marching_cubes
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.mesh import extract_isosurface, triangle_arrays
 
 

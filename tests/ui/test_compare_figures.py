@@ -15,7 +15,6 @@ from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 from tests.ui.conftest import drag, is_complete
 from tests.ui.test_compare import viewports
 from tests.ui.test_compare_modes import exported
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.compare.timing import FrameTimes
 from volviz.custom_gl.gpu.context import Limits
 from volviz.custom_gl.scene_techniques import (
@@ -25,6 +24,7 @@ from volviz.custom_gl.scene_techniques import (
     current_technique,
 )
 from volviz.kernels.marching.surface import clean_mesh
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.mesh import extract_isosurface, triangle_arrays
 from volviz.model.camera import Camera
 from volviz_ui.main_window import MainWindow

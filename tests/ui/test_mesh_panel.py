@@ -14,13 +14,13 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from tests.ui.conftest import is_complete, picture
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.custom_gl.scene_techniques import (
     change_setting,
     choose_technique,
     current_settings,
     current_technique,
 )
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.mesh import extract_isosurface, triangle_arrays
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.main_window import MainWindow

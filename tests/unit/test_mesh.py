@@ -10,9 +10,9 @@ import pytest
 
 from volviz import Volume
 from volviz.cli import main
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.errors import Cancelled, InputError, VolvizError
 from volviz.kernels.marching import marching_cubes
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.mesh import (
     MESH_FORMATS,
     extract_isosurface,

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from volviz.compare.mesh_metrics import (
+from volviz.compare.surface_distance import distances_to_surface, surface_distance
+from volviz.errors import InputError
+from volviz.kernels.marching import marching_cubes
+from volviz.kernels.mesh_metrics import (
     edge_uses,
     enclosed_volume,
     euler_characteristic,
     mesh_metrics,
     surface_area,
 )
-from volviz.compare.surface_distance import distances_to_surface, surface_distance
-from volviz.errors import InputError
-from volviz.kernels.marching import marching_cubes
 
 CUBE = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
 CUBE_FACES = np.array(

@@ -7,7 +7,7 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from volviz_ui.icons import icon
-from volviz_ui.progress_bar import ProgressBar
+from volviz_ui.widgets.progress_bar import ProgressBar
 
 MARGIN = 12
 WIDTH = 460

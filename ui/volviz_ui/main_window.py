@@ -170,11 +170,14 @@ class MainWindow(QMainWindow):
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
         self.isovalues = IsovalueMarkers(store, self.transfer_editor, self)
         self.ray_inspector = RayInspector(store, documents, workers, views, self.ray_panel, self)
-        self.measurements = Measurements(store, documents, views, workers, self.compare_panel, self)
+        self.measurements = Measurements(store, documents, views, workers, self)
+        self.measurements.figures_found.connect(views.show_figures)
         self.surface_distances = SurfaceDistances(
-            store, documents, views, workers, self.compare_panel.distances, self.measurements.meshes, self
+            store, documents, views, workers, self.measurements.meshes, self
         )
-        self.reports = Reports(self.context, self.compare_panel)
+        self.compare_panel.distances.follow(self.surface_distances)
+        self.reports = Reports(self.context)
+        self.compare_panel.follow(self.measurements, self.reports)
         self.pointer = Pointer(store, documents, views, self.messages.status_line, self.transfer_editor, self)
 
     def _make_commands(self) -> None:

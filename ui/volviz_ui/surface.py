@@ -15,7 +15,7 @@ from volviz.model.store import Store
 from volviz_ui.workers import Task, Workers
 
 if TYPE_CHECKING:
-    from volviz.compare.mesh_metrics import MeshMetrics
+    from volviz.kernels.mesh_metrics import MeshMetrics
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +121,7 @@ class Surface(QObject):
 
 def facts_of(mesh: ReadyMesh, task: Task | None = None) -> SurfaceFacts:
     """The figures of a mesh; on a worker, since large ones take a second."""
-    from volviz.compare.mesh_metrics import mesh_metrics
+    from volviz.kernels.mesh_metrics import mesh_metrics
     from volviz.mesh import polydata
 
     vertices, faces, normals = world_triangles(mesh)

@@ -17,12 +17,12 @@ from volviz.compare.mesh_differences import (
     explain_differences,
     match_vertices,
 )
-from volviz.compare.mesh_metrics import MeshMetrics, mesh_metrics
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.compare.vtk_contours import VTK_METHODS, run_vtk_contour, vtk_image, vtk_mesh_arrays
 from volviz.errors import Cancelled, InputError
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.marching.surface import clean_mesh
+from volviz.kernels.mesh_metrics import MeshMetrics, mesh_metrics
 
 if TYPE_CHECKING:
     from volviz.model.volume import Volume

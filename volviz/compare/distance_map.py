@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.mesh_metrics import edge_uses
 from volviz.compare.surface_distance import SurfaceDistance, root_mean_square
 from volviz.compare.surface_tree import SurfaceTree, mesh_arrays
 from volviz.kernels.compiled import compiled
 from volviz.kernels.marching.surface import clean_mesh
+from volviz.kernels.mesh_metrics import edge_uses
 from volviz.kernels.threads import map_ranges
 from volviz.model.surface_values import SurfaceValues
 

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from volviz.compare.convergence import LEVELS, Convergence
 from volviz.compare.matching import in_words
-from volviz.compare.mesh_metrics import MeshMetrics
 from volviz.compare.pictures import Difference, color_table
 from volviz.compare.plots import convergence_plot, times_plot
 from volviz.compare.report_distances import distances, length_unit
@@ -28,6 +27,7 @@ from volviz.compare.report_html import (
 from volviz.compare.report_overview import overview
 from volviz.compare.results import Comparison, PairResult, SideResult
 from volviz.compare.timing import ratio
+from volviz.kernels.mesh_metrics import MeshMetrics
 
 STYLE = Path(__file__).with_name("report_page.css")
 #: Techniques that a title names; of more it tells the number.

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.mesh_metrics import MeshMetrics
 from volviz.compare.pictures import Difference, PictureMetrics
 from volviz.compare.samples import RaySamples
 from volviz.compare.surface_distance import SurfaceDistance
 from volviz.compare.timing import FrameTimes, ratio
+from volviz.kernels.mesh_metrics import MeshMetrics
 
 if TYPE_CHECKING:
     from volviz.compare.convergence import Convergence

@@ -16,7 +16,6 @@ from volviz.compare.distance_map import distance_figures, distance_maps
 from volviz.compare.distance_pictures import DistancePictures, distance_pictures
 from volviz.compare.machine import machine_facts, version_facts
 from volviz.compare.matching import MatchedSide, match_sides, settings_differences
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
 from volviz.compare.pictures import (
     COLORED_SHARE,
@@ -33,6 +32,7 @@ from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.compare.timing import FrameTimes, stage_timer
 from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
+from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.model.parameters import Parameter, parameters_of
 from volviz.model.volume import Volume
 

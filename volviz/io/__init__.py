@@ -1,6 +1,6 @@
 """Reading volumes: `open` and `load`, one table of readers, the bundled samples."""
 
 from volviz.io.loading import file_dialog_filters, info, load, open, suffixes  # noqa: A004 - as `volviz.open`
-from volviz.io.reader import Hints, Job, Reader
+from volviz.io.reader import Hints, Job
 
-__all__ = ["Hints", "Job", "Reader", "file_dialog_filters", "info", "load", "open", "suffixes"]
+__all__ = ["Hints", "Job", "file_dialog_filters", "info", "load", "open", "suffixes"]

@@ -14,7 +14,7 @@ from volviz.io.table import READERS
 
 if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
-    from volviz.io.reader import Reader
+    from volviz.io.table import Reader
     from volviz.model.volume import Volume
     from volviz.volume_data.source import Cancel, Progress, VolumeSource
 

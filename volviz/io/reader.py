@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,6 @@ from volviz.errors import Cancelled, InputError, LoadError
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from volviz.io.file_source import FileSource
     from volviz.io.geometry import Geometry
     from volviz.volume_data.source import Box, Cancel, Progress
 
@@ -159,34 +157,6 @@ class Job:
     def error(self, what: str, path: Path | None = None) -> LoadError:
         """A `LoadError` that names the file."""
         return LoadError(f"{(path or self.path).name}: {what}")
-
-
-@dataclass(frozen=True)
-class Reader:
-    """One row of the table of formats.
-
-    Attributes
-    ----------
-    name : str
-        What people call the format; also the label in the file dialog.
-    suffixes : tuple of str
-        Lower case, with the dot; the longest suffix that fits decides.
-    sniff : callable(head, path) -> bool
-        Whether the first bytes of a file (`HEAD_BYTES` at most, decompressed if it is gzipped) are of this
-        format.
-    open : callable(Job) -> FileSource
-        Reads headers, as far as the format has any; imports what it needs when called.
-    """
-
-    name: str
-    suffixes: tuple[str, ...]
-    sniff: Callable[[bytes, Path], bool]
-    open: Callable[[Job], FileSource]
-
-    @property
-    def dialog_filter(self) -> str:
-        """Entry for a file dialog: ``NIfTI (*.nii *.nii.gz)``."""
-        return f"{self.name} ({' '.join('*' + s for s in self.suffixes)})"
 
 
 def stem(path: Path, suffixes: tuple[str, ...] = ()) -> str:

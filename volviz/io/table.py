@@ -2,8 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
 from volviz.io import dicom, metaimage, nifti, nrrd, numpy_files, raw, tiff, vtk_files
-from volviz.io.reader import Reader
+from volviz.io.file_source import FileSource
+from volviz.io.reader import Job
+
+
+@dataclass(frozen=True)
+class Reader:
+    """One row of the table of formats.
+
+    Attributes
+    ----------
+    name : str
+        What people call the format; also the label in the file dialog.
+    suffixes : tuple of str
+        Lower case, with the dot; the longest suffix that fits decides.
+    sniff : callable(head, path) -> bool
+        Whether the first bytes of a file (`HEAD_BYTES` at most, decompressed if it is gzipped) are of this
+        format.
+    open : callable(Job) -> FileSource
+        Reads headers, as far as the format has any; imports what it needs when called.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    sniff: Callable[[bytes, Path], bool]
+    open: Callable[[Job], FileSource]
+
+    @property
+    def dialog_filter(self) -> str:
+        """Entry for a file dialog: ``NIfTI (*.nii *.nii.gz)``."""
+        return f"{self.name} ({' '.join('*' + s for s in self.suffixes)})"
+
 
 #: Asked in this order; the raw reader comes last because it believes a name.
 READERS: tuple[Reader, ...] = (

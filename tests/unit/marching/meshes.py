@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.mesh_metrics import MeshMetrics, mesh_metrics
 from volviz.kernels.marching import marching_cubes
+from volviz.kernels.mesh_metrics import MeshMetrics, mesh_metrics
 
 Array = npt.NDArray[Any]
 

@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 from volviz import Volume
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.compare.vtk_contours import VTK_METHODS, vtk_contour
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.marching.cube import CUBE_EDGES, boundary_loops
+from volviz.kernels.mesh_metrics import mesh_metrics
 
 from .meshes import DTYPES, noise
 

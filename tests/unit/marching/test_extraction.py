@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from volviz.compare.mesh_metrics import edge_uses, mesh_metrics
 from volviz.errors import Cancelled, InputError
 from volviz.kernels import threads
 from volviz.kernels.marching import face_components, keep_components, marching_cubes, passes
+from volviz.kernels.mesh_metrics import edge_uses, mesh_metrics
 
 from .meshes import DTYPES, METHODS, closed, lattice, metrics_of, noise, sphere
 

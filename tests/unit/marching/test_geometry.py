@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from volviz.compare.mesh_metrics import mesh_metrics
 from volviz.kernels.marching import marching_cubes
+from volviz.kernels.mesh_metrics import mesh_metrics
 
 from .meshes import METHODS, lattice
 

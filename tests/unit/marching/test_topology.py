@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from volviz.compare.mesh_metrics import edge_uses, mesh_metrics
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.marching.cube import FACES, ambiguous_faces
 from volviz.kernels.marching.trilinear import inside_connection, joined_faces
+from volviz.kernels.mesh_metrics import edge_uses, mesh_metrics
 
 
 def euler_of_inside(values):

@@ -14,8 +14,8 @@ from volviz_ui.commands.table import CommandTable
 from volviz_ui.commands.view import ViewCommands
 from volviz_ui.dialogs.preferences import quality_choices
 from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.technique_box import TechniqueBox
 from volviz_ui.icons import set_icon
-from volviz_ui.panels.technique_box import TechniqueBox
 
 
 def fill_menu_bar(bar: QMenuBar, menus: Sequence[Menu], table: CommandTable) -> None:

@@ -32,8 +32,8 @@ from PySide6.QtWidgets import (
 from volviz_ui.commands.command import Command, keys_in_words, plain
 from volviz_ui.commands.fuzzy import match_score
 from volviz_ui.commands.table import CommandTable
-from volviz_ui.panels.panel import quiet_label
 from volviz_ui.preferences import Preferences
+from volviz_ui.widgets.small import quiet_label
 
 WIDTH, ROWS, MARGIN, ROW_MARGIN = 640, 12, 24, 12
 """Width in pixels and rows at most, distance from the edges of the window, air in a row."""

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from volviz_ui.commands.command import Command, State, keys_in_words, plain
-from volviz_ui.panels.panel import quiet_label
+from volviz_ui.widgets.small import quiet_label
 
 WORDS_WIDTH = 190
 

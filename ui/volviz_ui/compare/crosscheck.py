@@ -34,8 +34,8 @@ from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.panel import quiet_label
-from volviz_ui.progress_bar import ProgressBar
+from volviz_ui.widgets.progress_bar import ProgressBar
+from volviz_ui.widgets.small import quiet_label
 from volviz_ui.workers import Task, Workers
 
 if TYPE_CHECKING:

@@ -10,10 +10,12 @@ from volviz.model.comparison import Comparison
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.commands.compare import CompareCommands
+from volviz_ui.compare.surface_distances import SurfaceDistances
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.panel import Section, quiet_label
-from volviz_ui.progress_bar import ProgressBar
+from volviz_ui.panels.panel import Section
+from volviz_ui.widgets.progress_bar import ProgressBar
+from volviz_ui.widgets.small import quiet_label
 
 LEAST, MOST = 1e-9, 1e9
 """Limits of the scale, in world units."""
@@ -77,6 +79,14 @@ class DistanceSection(Section):
         self.show_state("")
         show_value(store, lambda scene: scene.comparison, self.show_comparison)
 
+    def follow(self, distances: SurfaceDistances) -> None:
+        """Show what is measured from now on."""
+        distances.available_changed.connect(self.setVisible)
+        distances.progressed.connect(self.show_progress)
+        distances.state_changed.connect(self.show_state)
+        distances.found.connect(self.show_found)
+        distances.sync()
+
     def show_comparison(self, comparison: Comparison) -> None:
         """Show how surfaces are coloured."""
         self.choice.setCurrentIndex(self.choice.findData(comparison.distances))
@@ -108,7 +118,7 @@ class DistanceSection(Section):
         self.bar.hide()
         self.cancel_button.hide()
 
-    def show_found(self, found: DistanceColors, unit: str, *, sign_wanted: bool) -> None:
+    def show_found(self, found: DistanceColors, unit: str, sign_wanted: bool) -> None:
         """Say what the colours show."""
         length = f"{found.largest:.3g}{NARROW}{unit}"
         if found.are_same:

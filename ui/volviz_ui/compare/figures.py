@@ -7,12 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from volviz.compare.mesh_metrics import MeshMetrics, mesh_metrics
 from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
 from volviz.compare.pictures import PictureMetrics, compare_pictures, similarity_picture, ssim_map
 from volviz.compare.samples import RaySamples, ray_samples
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.custom_gl.technique import surface_settings
+from volviz.kernels.mesh_metrics import MeshMetrics, mesh_metrics
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.parameters import parameters_of

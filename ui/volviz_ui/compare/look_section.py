@@ -12,8 +12,9 @@ from volviz_ui.binding import show_value
 from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.panel import Section, quiet_label, small_button
+from volviz_ui.panels.panel import Section
 from volviz_ui.views.sides import LETTERS, SideBox
+from volviz_ui.widgets.small import quiet_label, small_button
 
 FIRST_LIMIT = 16.0
 

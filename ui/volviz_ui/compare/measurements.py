@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.compare.settings_match import match_second, setting_differences
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
@@ -14,7 +14,6 @@ from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
 from volviz_ui.compare.frame_timing import FrameTiming
-from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.documents import Documents
 from volviz_ui.views.view_area import ViewArea
 from volviz_ui.workers import Task, Workers
@@ -26,13 +25,32 @@ DELAY_MS = 150
 class Measurements(QObject):
     """Measures on a worker while somebody looks at the figures, and takes times when asked."""
 
+    figures_found = Signal(object)
+    """`PairFigures` of the complete pictures."""
+    times_found = Signal(object)
+    """Two `FrameTimes`, A and B, or None when those that were shown no longer hold."""
+    timing_progressed = Signal(object)
+    """How far the frame times are, 0..1; None when none are being taken."""
+    gpu_clock_found = Signal(str)
+    """Name of a renderer whose GPU clock says nothing, empty where there is a clock."""
+    state_changed = Signal(str)
+    """What is being done, or what the figures are of."""
+    emptied = Signal(str)
+    """There are no figures any more, and why."""
+    convergence_outdated = Signal()
+    several_changed = Signal(bool)
+    """Whether there is a pair to compare."""
+    names_changed = Signal(str, str)
+    """Techniques of A and B."""
+    differences_found = Signal(list)
+    """What the settings of A and B do differently, a sentence each."""
+
     def __init__(
         self,
         store: Store,
         documents: Documents,
         views: ViewArea,
         workers: Workers,
-        panel: ComparePanel,
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
@@ -40,42 +58,40 @@ class Measurements(QObject):
         self._documents = documents
         self._views = views
         self._workers = workers
-        self._panel = panel
+        self._watched = False
         self.meshes = MeshStore()
         self._task: Task | None = None
         self.figures: PairFigures | None = None
         self.timing = FrameTiming(self)
-        self.timing.progressed.connect(panel.show_timing)
+        self.timing.progressed.connect(self.timing_progressed.emit)
         self.timing.finished.connect(self._on_timed)
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.setInterval(DELAY_MS)
         self._timer.timeout.connect(self._measure)
         views.pair_completed.connect(self._on_pair_completed)
-        panel.visibility_changed.connect(self._on_visibility_changed)
-        panel.timing_wanted.connect(self._on_timing_wanted)
-        panel.match_wanted.connect(self._on_match_wanted)
         documents.volume_changed.connect(self._on_volume_changed)
         store.changed.connect(self._on_scene_changed)
-        self._show_pair(store.scene)
 
     @property
     def _wanted(self) -> bool:
         """Whether anybody looks at figures, or at the map of similarity."""
         comparison = self._store.scene.comparison
         similarity = comparison.mode == "difference" and comparison.map == "ssim"
-        return len(self._store.scene.views) > 1 and (self._panel.isVisible() or similarity)
+        return len(self._store.scene.views) > 1 and (self._watched or similarity)
 
     # ------------------------------------------------------------------ pictures and meshes
 
     def _on_pair_completed(self) -> None:
         self.figures = None
         limits = self._views.first.display.handle.gpu.limits
-        self._panel.show_gpu_clock(limits.renderer.split("(")[0].strip() if limits.software else "")
+        self.gpu_clock_found.emit(limits.renderer.split("(")[0].strip() if limits.software else "")
         if self._wanted:
             self._timer.start()
 
-    def _on_visibility_changed(self) -> None:
+    def watch(self, on: bool) -> None:
+        """Whether anybody looks at the figures; if nobody does, nothing is measured."""
+        self._watched = on
         if self._wanted and self.figures is None:
             self._timer.start()
 
@@ -100,41 +116,42 @@ class Measurements(QObject):
 
             return pair_figures((sides[0], sides[1]), volume, camera, clipping, meshes, check)
 
-        self._panel.show_state(self.tr("Measuring…"))
+        self.state_changed.emit(self.tr("Measuring…"))
         task = self._workers.start(work, label=self.tr("Measure"), key="compare")
         task.succeeded.connect(self._on_measured)
         task.failed.connect(self._on_failed)
 
     def _on_measured(self, figures: PairFigures) -> None:
         self.figures = figures
-        self._panel.show_figures(figures)
+        self.figures_found.emit(figures)
         handles = [pane.display.handle for pane in self._views.arrangement.pair or ()]
         if any(handle is not None and handle.surface_colors is not None for handle in handles):
-            self._panel.show_state(self.tr("Of the pictures in the colours of the distance."))
-        self._views.arrangement.difference.set_similarity(figures.similarity)
+            self.state_changed.emit(self.tr("Of the pictures in the colours of the distance."))
 
     def _on_failed(self, error: BaseException) -> None:
-        self._panel.show_nothing(str(error))
+        self.emptied.emit(str(error))
 
     # ------------------------------------------------------------------ frame times
 
-    def _on_timing_wanted(self) -> None:
+    def time(self) -> None:
+        """Take frame times of the compared pair, or stop taking them."""
         if self.timing.is_running:
             self.timing.cancel()
             return
         pair = self._views.arrangement.pair
         if pair is not None and self._views.is_complete:
-            self._panel.show_timing(0.0)
+            self.timing_progressed.emit(0.0)
             self.timing.start(pair[0].display, pair[1].display)
 
     def _on_timed(self, times: Any) -> None:
-        self._panel.show_timing(None)
+        self.timing_progressed.emit(None)
         if times is not None:
-            self._panel.show_times(times)
+            self.times_found.emit(times)
 
     # ------------------------------------------------------------------ settings
 
-    def _on_match_wanted(self) -> None:
+    def match(self) -> None:
+        """Give B the settings of A."""
         pair = self._views.arrangement.pair
         if pair is not None:
             first, second = pair[0].view, pair[1].view
@@ -152,12 +169,12 @@ class Measurements(QObject):
         if _drawn(old) != _drawn(new):
             self._forget()
         if _converging(old) != _converging(new):
-            self._panel.show_convergence([])
+            self.convergence_outdated.emit()
         if old.pair != new.pair:
             # figures of others must not stand below the new names
-            self._panel.show_nothing("")
+            self.emptied.emit("")
         if (old.views, old.pair) != (new.views, new.pair):
-            self._show_pair(new)
+            self.tell_pair()
         if old.comparison != new.comparison and self._wanted and self.figures is None:
             self._timer.start()
 
@@ -167,21 +184,23 @@ class Measurements(QObject):
         self._workers.cancel("compare")
         self._timer.stop()
         self.figures = None
-        self._panel.show_times(None)
+        self.times_found.emit(None)
 
-    def _show_pair(self, scene: Scene) -> None:
+    def tell_pair(self) -> None:
+        """Emit what is known of the present pair without measuring."""
+        scene = self._store.scene
         pair = self._views.arrangement.pair
         several = len(scene.views) > 1 and pair is not None
-        self._panel.set_several(several)
+        self.several_changed.emit(several)
         if pair is None or not several:
-            self._panel.show_nothing(self.tr("Split the view to compare: Compare, Two views (Ctrl+2)."))
-            self._panel.show_differences([])
+            self.emptied.emit(self.tr("Split the view to compare: Compare, Two views (Ctrl+2)."))
+            self.differences_found.emit([])
             return
         if self.figures is None:
-            self._panel.show_state("")
+            self.state_changed.emit("")
         first, second = (current_technique(scene, pane.view) for pane in pair)
-        self._panel.show_names(first.label, second.label)
-        self._panel.show_differences(setting_differences(scene, pair[0].view, pair[1].view))
+        self.names_changed.emit(first.label, second.label)
+        self.differences_found.emit(setting_differences(scene, pair[0].view, pair[1].view))
 
     def close(self) -> None:
         """Stop measuring: the window closes."""

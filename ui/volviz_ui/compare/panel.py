@@ -17,9 +17,12 @@ from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figure_table import FigureTable
 from volviz_ui.compare.figures import PairFigures
 from volviz_ui.compare.look_section import LookSection
-from volviz_ui.panels.focus_order import set_focus_order
-from volviz_ui.panels.panel import Panel, Section, quiet_label
-from volviz_ui.progress_bar import ProgressBar
+from volviz_ui.compare.measurements import Measurements
+from volviz_ui.compare.reports import Reports
+from volviz_ui.panels.panel import Panel, Section
+from volviz_ui.widgets.focus_order import set_focus_order
+from volviz_ui.widgets.progress_bar import ProgressBar
+from volviz_ui.widgets.small import quiet_label
 
 NARROW = "\N{NARROW NO-BREAK SPACE}"
 
@@ -27,7 +30,8 @@ NARROW = "\N{NARROW NO-BREAK SPACE}"
 class ComparePanel(Panel):
     """Shows figures of the compared views, A and B."""
 
-    visibility_changed = Signal()
+    visibility_changed = Signal(bool)
+    """Whether somebody looks at the figures now."""
     timing_wanted = Signal()
     match_wanted = Signal()
     report_wanted = Signal()
@@ -83,6 +87,33 @@ class ComparePanel(Panel):
         self.add(self._report())
         self.show_nothing("")
         set_focus_order(self.body)
+
+    def follow(self, measurements: Measurements, reports: Reports) -> None:
+        """Show what is measured and written from now on, and say what is wanted."""
+        for signal, slot in (
+            (self.visibility_changed, measurements.watch),
+            (self.timing_wanted, measurements.time),
+            (self.match_wanted, measurements.match),
+            (measurements.figures_found, self.show_figures),
+            (measurements.times_found, self.show_times),
+            (measurements.timing_progressed, self.show_timing),
+            (measurements.gpu_clock_found, self.show_gpu_clock),
+            (measurements.state_changed, self.show_state),
+            (measurements.emptied, self.show_nothing),
+            (measurements.convergence_outdated, self.show_convergence),
+            (measurements.several_changed, self.set_several),
+            (measurements.names_changed, self.show_names),
+            (measurements.differences_found, self.show_differences),
+            (self.report_wanted, reports.write_report),
+            (self.open_wanted, reports.open_report),
+            (self.convergence_wanted, reports.converge),
+            (self.work_cancelled, reports.cancel),
+            (reports.work_changed, self.show_work),
+            (reports.written, self.show_report),
+            (reports.convergence_found, self.show_convergence),
+        ):
+            signal.connect(slot)
+        measurements.tell_pair()
 
     # ------------------------------------------------------------------ tables
 
@@ -201,7 +232,7 @@ class ComparePanel(Panel):
         self.work.show()
         self.open_button.show()
 
-    def show_convergence(self, curves: Sequence[Curve], sentences: Sequence[str] = ()) -> None:
+    def show_convergence(self, curves: Sequence[Curve] = (), sentences: Sequence[str] = ()) -> None:
         """Show how errors fall, and why some views have no curve; none when nothing was measured, or holds."""
         self.plot.set_curves(curves)
         self.plot.setVisible(bool(curves))
@@ -332,9 +363,9 @@ class ComparePanel(Panel):
     def showEvent(self, event: QShowEvent) -> None:
         """Somebody looks: measure."""
         super().showEvent(event)
-        self.visibility_changed.emit()
+        self.visibility_changed.emit(True)
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Nobody looks: measure nothing."""
         super().hideEvent(event)
-        self.visibility_changed.emit()
+        self.visibility_changed.emit(False)

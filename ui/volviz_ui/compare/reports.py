@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QObject, QTemporaryDir, QUrl
+from PySide6.QtCore import QObject, QTemporaryDir, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QFileDialog
 
@@ -17,7 +17,6 @@ from volviz.model.tf_formats import write_transfer_function
 from volviz_ui.app_context import AppContext
 from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve
-from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.report_process import CompareProcess
 
 KINDS = "HTML (*.html);;JSON (*.json);;CSV (*.csv)"
@@ -28,20 +27,22 @@ CONVERGENCE_SIZE = (240, 180)
 class Reports(QObject):
     """Runs one comparison at a time in a process of its own; its button ends it again."""
 
-    def __init__(self, context: AppContext, panel: ComparePanel) -> None:
+    work_changed = Signal(object, str)
+    """How far the work is, 0..1, and what is being done; None when nothing is."""
+    written = Signal(str)
+    """Name of the report that was written."""
+    convergence_found = Signal(list, list)
+    """A `Curve` of each view that has one, and a sentence on each that has none."""
+
+    def __init__(self, context: AppContext) -> None:
         super().__init__(context.window)
         self._context = context
-        self._panel = panel
         self._report: Path | None = None
         self._folder: QTemporaryDir | None = None
         self.process = CompareProcess(self)
-        self.process.progressed.connect(panel.show_work)
+        self.process.progressed.connect(self.work_changed.emit)
         self.process.finished.connect(self._on_finished)
         self.process.failed.connect(self._on_failed)
-        panel.report_wanted.connect(self.write_report)
-        panel.open_wanted.connect(self.open_report)
-        panel.convergence_wanted.connect(self.converge)
-        panel.work_cancelled.connect(self.cancel)
 
     @property
     def is_running(self) -> bool:
@@ -90,7 +91,7 @@ class Reports(QObject):
         except VolvizError as error:
             self._context.messages.show_error(self.tr("The report was not written"), error)
             return False
-        self._panel.show_work(0.0, "")
+        self.work_changed.emit(0.0, "")
         self.process.start(compare_arguments(scene, size, name, output.name, options), output.parent)
         return True
 
@@ -100,23 +101,23 @@ class Reports(QObject):
         """Give up what is under way; a report that is not finished leaves nothing behind."""
         self.process.cancel()
         self._drop()
-        self._panel.show_work(None, "")
+        self.work_changed.emit(None, "")
 
     def _on_finished(self) -> None:
         folder, self._folder = self._folder, None
-        self._panel.show_work(None, "")
+        self.work_changed.emit(None, "")
         if folder is None and self._report is not None:
-            self._panel.show_report(self._report.name)
+            self.written.emit(self._report.name)
             return
         if folder is not None:
             text = (Path(folder.path()) / "convergence.json").read_text(encoding="utf-8")
             report = json.loads(text)
-            self._panel.show_convergence(curves_of(report), report["without_curve"])
+            self.convergence_found.emit(curves_of(report), report["without_curve"])
 
     def _on_failed(self, words: str) -> None:
         converging = self._folder is not None
         self._drop()
-        self._panel.show_work(None, "")
+        self.work_changed.emit(None, "")
         title = (
             self.tr("Convergence was not measured") if converging else self.tr("The report was not written")
         )

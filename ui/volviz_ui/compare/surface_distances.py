@@ -15,7 +15,6 @@ from volviz.model.comparison import Comparison
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
-from volviz_ui.compare.distance_section import DistanceSection
 from volviz_ui.compare.figures import MeshStore, mesh_key
 from volviz_ui.documents import Documents
 from volviz_ui.views.pane import Pane
@@ -53,6 +52,14 @@ class SurfaceDistances(QObject):
 
     shown = Signal()
     """Other colours are shown, or none."""
+    available_changed = Signal(bool)
+    """Whether the compared views draw two surfaces."""
+    progressed = Signal(float)
+    """How far the distance is, 0..1."""
+    state_changed = Signal(str)
+    """Nothing is being measured; why there is nothing to show, or empty."""
+    found = Signal(object, str, bool)
+    """`DistanceColors` that are shown now, the unit of their lengths, and whether a sign was asked for."""
 
     def __init__(
         self,
@@ -60,7 +67,6 @@ class SurfaceDistances(QObject):
         documents: Documents,
         views: ViewArea,
         workers: Workers,
-        section: DistanceSection,
         meshes: MeshStore,
         parent: QObject | None = None,
     ) -> None:
@@ -69,7 +75,6 @@ class SurfaceDistances(QObject):
         self._documents = documents
         self._views = views
         self._workers = workers
-        self._section = section
         self._meshes = meshes
         self._pair: _Pair | None = None
         self._kept: dict[Any, ByKind] = {}
@@ -81,7 +86,6 @@ class SurfaceDistances(QObject):
         # both come after the views have taken the change
         documents.volume_changed.connect(self._on_volume_changed)
         store.changed.connect(self._on_scene_changed)
-        self._sync()
 
     @property
     def colors(self) -> DistanceColors | None:
@@ -94,11 +98,11 @@ class SurfaceDistances(QObject):
         if (old.views, old.active_index, old.comparison, old.layers) != (
             new.views, new.active_index, new.comparison, new.layers
         ):  # fmt: skip
-            self._sync()
+            self.sync()
 
     def _on_volume_changed(self, _volume: Volume | None) -> None:
         self._kept.clear()
-        self._sync()
+        self.sync()
 
     def _both(self) -> _Pair | None:
         """The two surfaces that are compared, None where there are not two."""
@@ -113,19 +117,19 @@ class SurfaceDistances(QObject):
         )
         return _Pair(volume, (first, second))
 
-    def _sync(self) -> None:
+    def sync(self) -> None:
         """Show what there is for the present pair, and measure what there is not."""
         comparison = self._store.scene.comparison
         both = self._both()
-        self._section.setVisible(both is not None)
+        self.available_changed.emit(both is not None)
         wanted = both if comparison.distances != "off" else None
         if (None if wanted is None else wanted.key) != (None if self._pair is None else self._pair.key):
             self._workers.cancel(KEY)
             self._timer.stop()
-            self._section.show_state("")
+            self.state_changed.emit("")
             self._pair = wanted
             if wanted is not None and wanted.key not in self._kept:
-                self._section.show_progress(0.0)
+                self.progressed.emit(0.0)
                 self._timer.start()
         self._show(comparison)
 
@@ -158,7 +162,7 @@ class SurfaceDistances(QObject):
             return found
 
         task = self._workers.start(work, label=self.tr("Distance of the surfaces"), key=KEY)
-        task.progressed.connect(lambda fraction, _words: self._section.show_progress(fraction))
+        task.progressed.connect(lambda fraction, _words: self.progressed.emit(fraction))
         task.succeeded.connect(lambda found: self._on_measured(pair, found))
         task.failed.connect(self._on_failed)
 
@@ -171,7 +175,7 @@ class SurfaceDistances(QObject):
         self._show(self._store.scene.comparison)
 
     def _on_failed(self, error: BaseException) -> None:
-        self._section.show_state(str(error))
+        self.state_changed.emit(str(error))
 
     # ------------------------------------------------------------------ showing
 
@@ -186,7 +190,7 @@ class SurfaceDistances(QObject):
         for pane in self._views.panes:
             self._color(pane, given.get(pane), colors)
         if colors is not None and colors is not before:
-            self._section.show_found(colors, self._unit(), sign_wanted=comparison.distances == "signed")
+            self.found.emit(colors, self._unit(), comparison.distances == "signed")
         if colors is not before:
             self.shown.emit()
 

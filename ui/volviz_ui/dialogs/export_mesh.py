@@ -19,9 +19,9 @@ from PySide6.QtWidgets import (
 from volviz.mesh_files import FORMAT_NAMES, check_mesh_target, save_mesh
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.panel import quiet_label
-from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.surface import SurfaceFacts
+from volviz_ui.widgets.progress_bar import ProgressBar
+from volviz_ui.widgets.small import quiet_label
 from volviz_ui.workers import Task, Workers
 
 NAME = "surface"

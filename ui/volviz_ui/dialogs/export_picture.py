@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz_ui.panels.panel import quiet_label
+from volviz_ui.widgets.small import quiet_label
 
 LARGEST = 16384
 FACTORS = (1, 2, 4)

@@ -6,7 +6,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
 
 from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.panels.panel import quiet_label
+from volviz_ui.widgets.small import quiet_label
 
 
 class PreferencesDialog(QDialog):

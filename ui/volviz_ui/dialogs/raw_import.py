@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import QWIDGETSIZE_MAX, CalmComboBox
-from volviz_ui.panels.panel import quiet_label
+from volviz_ui.widgets.small import quiet_label
 
 RAW_SUFFIXES = (".raw", ".raw.gz", ".bin", ".vol")
 DTYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")

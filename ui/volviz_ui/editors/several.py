@@ -14,7 +14,7 @@ from volviz_ui.editors.base import Editor, tooltip_of
 from volviz_ui.editors.number import Scale, SliderField, slider_range
 from volviz_ui.editors.simple import ColorButton, chosen_color
 from volviz_ui.icons import set_icon
-from volviz_ui.panels.panel import small_button
+from volviz_ui.widgets.small import small_button
 
 MOST = 4
 

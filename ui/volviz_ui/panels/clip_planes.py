@@ -16,7 +16,7 @@ from volviz.model.volume import Volume
 from volviz_ui.binding import send_gesture, send_value, show_value
 from volviz_ui.editors.number import Scale, SliderField
 from volviz_ui.icons import set_icon
-from volviz_ui.panels.panel import small_button
+from volviz_ui.widgets.small import small_button
 
 Planes = tuple[Plane, ...]
 GESTURE = "clip planes"

@@ -10,7 +10,8 @@ from volviz_ui.panels.clip_planes import ClipPlanes
 from volviz_ui.panels.crop import CropBox
 from volviz_ui.panels.fact import Fact
 from volviz_ui.panels.histogram import HistogramView
-from volviz_ui.panels.panel import Panel, Section, quiet_label
+from volviz_ui.panels.panel import Panel, Section
+from volviz_ui.widgets.small import quiet_label
 from volviz_ui.workers import Workers
 
 

@@ -130,22 +130,3 @@ class Section(QWidget):
     def add_wide(self, widget: QWidget) -> None:
         """A widget over the whole width."""
         self.rows.addWidget(widget, self.rows.rowCount(), 0, 1, 3)
-
-
-def quiet_label(text: str = "", parent: QWidget | None = None) -> QLabel:
-    """A label in the colour of secondary text."""
-    label = QLabel(text, parent)
-    label.setProperty("quiet", True)
-    return label
-
-
-def small_button(icon_name: str, tooltip: str, parent: QWidget | None = None) -> QToolButton:
-    """A button of one small icon."""
-    button = QToolButton(parent)
-    button.setObjectName("reset_button")
-    button.setIconSize(QSize(14, 14))
-    button.setAutoRaise(True)
-    button.setToolTip(tooltip)
-    button.setAccessibleName(tooltip)
-    set_icon(button, icon_name, "quiet")
-    return button

@@ -17,7 +17,8 @@ from volviz.model.volume import Volume
 from volviz_ui.editors import Editor, editor_for
 from volviz_ui.editors.base import tooltip_of
 from volviz_ui.editors.optional import OptionalEditor
-from volviz_ui.panels.panel import Section, small_button
+from volviz_ui.panels.panel import Section
+from volviz_ui.widgets.small import small_button
 
 LABEL_WIDTH = 112
 

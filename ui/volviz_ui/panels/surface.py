@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QWidget
 from volviz_ui.icons import set_icon
 from volviz_ui.panels.fact import Fact
 from volviz_ui.panels.panel import Section
-from volviz_ui.progress_bar import ProgressBar
 from volviz_ui.surface import SurfaceFacts
+from volviz_ui.widgets.progress_bar import ProgressBar
 
 NOTHING = "–"
 

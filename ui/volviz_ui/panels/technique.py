@@ -19,14 +19,15 @@ from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
-from volviz_ui.panels.focus_order import set_focus_order
+from volviz_ui.editors.technique_box import TechniqueBox
 from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.panels.light import LightSection
-from volviz_ui.panels.panel import Panel, quiet_label, small_button
+from volviz_ui.panels.panel import Panel
 from volviz_ui.panels.settings_form import SettingsForm
 from volviz_ui.panels.surface import SurfaceSection
-from volviz_ui.panels.technique_box import TechniqueBox
 from volviz_ui.surface import shows_mesh
+from volviz_ui.widgets.focus_order import set_focus_order
+from volviz_ui.widgets.small import quiet_label, small_button
 
 
 class TechniquePanel(Panel):

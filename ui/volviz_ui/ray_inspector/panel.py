@@ -7,10 +7,10 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSpinBox, QVBoxLayout, QWidget
 
 from volviz.ray_inspection import RayInspection
-from volviz_ui.panels.panel import quiet_label, small_button
 from volviz_ui.ray_inspector import words
 from volviz_ui.ray_inspector.plot import RayPlot
 from volviz_ui.transfer_editor.painting import small_font
+from volviz_ui.widgets.small import quiet_label, small_button
 
 LARGEST_PIXEL = 32767
 

@@ -24,7 +24,6 @@ from volviz.model.presets import Preset, presets
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.transfer_function_2d import TransferFunction2D
 from volviz_ui.icons import set_icon
-from volviz_ui.panels.focus_order import set_focus_order
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
 from volviz_ui.transfer_editor.counting import Counter
 from volviz_ui.transfer_editor.dimension_switch import DimensionSwitch
@@ -37,6 +36,7 @@ from volviz_ui.transfer_editor.plot import TransferPlot
 from volviz_ui.transfer_editor.plot_2d import GradientPlot
 from volviz_ui.transfer_editor.preset_commands import PresetCommands
 from volviz_ui.transfer_editor.preset_popup import PresetPopup, ThumbnailProvider
+from volviz_ui.widgets.focus_order import set_focus_order
 
 if TYPE_CHECKING:
     from volviz.model.store import Store

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QRectF
 
 from volviz.model import transfer_edits as edits
 from volviz.model.transfer_lanes import with_moved_stop
-
-if TYPE_CHECKING:
-    from volviz_ui.transfer_editor.plot import TransferPlot
+from volviz_ui.transfer_editor.editable_plot import EditablePlot
 
 #: Pixels that a press may wander before it is a drag.
 SLACK = 3.0
@@ -22,7 +19,7 @@ class Gesture:
 
     Parameters
     ----------
-    plot : TransferPlot
+    plot : EditablePlot
         Where it happens.
     at : QPointF
         Where the press was.
@@ -31,7 +28,7 @@ class Gesture:
     #: Words for the undo menu; empty for gestures that change nothing in the scene.
     label = ""
 
-    def __init__(self, plot: TransferPlot, at: QPointF) -> None:
+    def __init__(self, plot: EditablePlot, at: QPointF) -> None:
         self.plot = plot
         self.start = QPointF(at)
         self.begun = False
@@ -73,7 +70,7 @@ class Gesture:
 class MovePoints(Gesture):
     """Drag the chosen points; the one under the pointer follows it exactly."""
 
-    def __init__(self, plot: TransferPlot, at: QPointF, index: int) -> None:
+    def __init__(self, plot: EditablePlot, at: QPointF, index: int) -> None:
         super().__init__(plot, at)
         self.label = plot.tr("Move points")
         self.index = index
@@ -99,7 +96,7 @@ class MovePoints(Gesture):
 class RubberBand(Gesture):
     """Choose the points in a rectangle."""
 
-    def __init__(self, plot: TransferPlot, at: QPointF, *, adding: bool) -> None:
+    def __init__(self, plot: EditablePlot, at: QPointF, *, adding: bool) -> None:
         super().__init__(plot, at)
         self.before = plot.model.selection if adding else frozenset()
 
@@ -131,7 +128,7 @@ class RubberBand(Gesture):
 class Pan(Gesture):
     """Move the window of values."""
 
-    def __init__(self, plot: TransferPlot, at: QPointF) -> None:
+    def __init__(self, plot: EditablePlot, at: QPointF) -> None:
         super().__init__(plot, at)
         self.axis = plot.axis
 
@@ -147,7 +144,7 @@ class Pan(Gesture):
 class ShiftStretch(Gesture):
     """Sideways: the whole function moves. Up and down: it spreads about the value of the press."""
 
-    def __init__(self, plot: TransferPlot, at: QPointF) -> None:
+    def __init__(self, plot: EditablePlot, at: QPointF) -> None:
         super().__init__(plot, at)
         self.label = plot.tr("Shift and stretch")
         self.function = plot.model.function
@@ -168,7 +165,7 @@ class ShiftStretch(Gesture):
 class MoveStop(Gesture):
     """Move a stop of the colour ramp; the opacities stay."""
 
-    def __init__(self, plot: TransferPlot, at: QPointF, index: int) -> None:
+    def __init__(self, plot: EditablePlot, at: QPointF, index: int) -> None:
         super().__init__(plot, at)
         self.label = plot.tr("Move colour")
         self.index = index
@@ -185,7 +182,7 @@ class MoveStop(Gesture):
 class MoveMarker(Gesture):
     """Move an isovalue; what follows from it is the business of whoever listens."""
 
-    def __init__(self, plot: TransferPlot, at: QPointF, index: int) -> None:
+    def __init__(self, plot: EditablePlot, at: QPointF, index: int) -> None:
         super().__init__(plot, at)
         self.label = plot.tr("Move isovalue")
         self.index = index

@@ -11,7 +11,7 @@ from PySide6.QtGui import QKeyEvent
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
-    from volviz_ui.transfer_editor.plot import TransferPlot
+    from volviz_ui.transfer_editor.editable_plot import EditablePlot
 
 Key = Qt.Key
 _SHIFT, _CTRL, _ALT = (
@@ -49,7 +49,7 @@ def shortcuts(widget: QWidget) -> list[tuple[str, str]]:
     ]
 
 
-def is_ours(plot: TransferPlot, event: QKeyEvent) -> bool:
+def is_ours(plot: EditablePlot, event: QKeyEvent) -> bool:
     """Whether the plot has a use for the key, so that a shortcut of the window must wait."""
     if event.key() == Key.Key_Escape:
         chosen = bool(plot.model.selection) or plot.model.stop is not None or plot.marker >= 0
@@ -57,10 +57,8 @@ def is_ours(plot: TransferPlot, event: QKeyEvent) -> bool:
     return _action(plot, event) is not None
 
 
-def handle_key(plot: TransferPlot, event: QKeyEvent) -> bool:
+def handle_key(plot: EditablePlot, event: QKeyEvent) -> bool:
     """Do what the key stands for; False when it stands for nothing here."""
-    if event.key() == Key.Key_Escape:
-        return plot.escape()
     action = _action(plot, event)
     if action is None:
         return False
@@ -72,7 +70,7 @@ def handle_key(plot: TransferPlot, event: QKeyEvent) -> bool:
     return True
 
 
-def _action(plot: TransferPlot, event: QKeyEvent) -> Callable[[], object] | None:
+def _action(plot: EditablePlot, event: QKeyEvent) -> Callable[[], object] | None:
     model, key, modifiers = plot.model, event.key(), event.modifiers()
     if model.function is None:
         return None
@@ -120,7 +118,7 @@ def _action(plot: TransferPlot, event: QKeyEvent) -> Callable[[], object] | None
     return plain.get(key)
 
 
-def _nudge(plot: TransferPlot, across: int, up: int, factor: float) -> None:
+def _nudge(plot: EditablePlot, across: int, up: int, factor: float) -> None:
     """Two pixels a press, whatever the zoom; the first press without a choice chooses a point."""
     model = plot.model
     if plot.marker >= 0:
@@ -143,7 +141,7 @@ def _nudge(plot: TransferPlot, across: int, up: int, factor: float) -> None:
     plot.reveal(point.value + value)
 
 
-def _nudge_stop(plot: TransferPlot, pixels: float) -> None:
+def _nudge_stop(plot: EditablePlot, pixels: float) -> None:
     from volviz.model.transfer_lanes import with_moved_stop
 
     stop = plot.model.stop
@@ -153,7 +151,7 @@ def _nudge_stop(plot: TransferPlot, pixels: float) -> None:
         plot.model.apply_lanes(with_moved_stop(colors, stop, value), opacities, plot.tr("Move colour"))
 
 
-def _choose_stop(plot: TransferPlot, step: int) -> None:
+def _choose_stop(plot: EditablePlot, step: int) -> None:
     """The next or previous colour of the ramp, brought into view."""
     colors, stop = plot.model.lanes[0], plot.model.stop
     if colors:
@@ -166,7 +164,7 @@ def _choose_stop(plot: TransferPlot, step: int) -> None:
         plot.reveal(colors[index].value)
 
 
-def _insert_colour(plot: TransferPlot) -> None:
+def _insert_colour(plot: EditablePlot) -> None:
     """Half way from the chosen colour to the next one, or in the middle of the window."""
     colors, stop = plot.model.lanes[0], plot.model.stop
     if stop is None:
@@ -176,7 +174,7 @@ def _insert_colour(plot: TransferPlot) -> None:
     plot.add_stop((colors[stop].value + following) / 2)
 
 
-def _insert(plot: TransferPlot) -> None:
+def _insert(plot: EditablePlot) -> None:
     """Half way to the next point, or in the middle of the window when nothing is chosen."""
     model = plot.model
     function = model.function

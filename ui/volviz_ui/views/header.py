@@ -9,9 +9,9 @@ from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QResizeE
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from volviz.model.store import Store
-from volviz_ui.panels.panel import small_button
-from volviz_ui.panels.technique_box import TechniqueBox
+from volviz_ui.editors.technique_box import TechniqueBox
 from volviz_ui.views.sides import SideBadge
+from volviz_ui.widgets.small import small_button
 
 HEIGHT = 34
 ACCENT = 2

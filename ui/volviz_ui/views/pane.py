@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QWidget
 
 from volviz.model.store import Store
 from volviz_ui.documents import Documents
-from volviz_ui.ray_inspector.mark import RayMark
 from volviz_ui.views.display import AddVolume, Display
 from volviz_ui.views.header import ViewHeader
+from volviz_ui.views.ray_mark import RayMark
 from volviz_ui.views.scenery import Scenery
 from volviz_ui.views.viewport import Viewport
 

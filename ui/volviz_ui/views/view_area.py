@@ -246,6 +246,10 @@ class ViewArea(QWidget):
             seen.append(over(picture, background_picture(self._store.scene.background, (width, height))))
         return seen[0], seen[1]
 
+    def show_figures(self, figures: Any) -> None:
+        """Show where the compared pictures are alike, as was measured of them (`PairFigures`)."""
+        self.arrangement.difference.set_similarity(figures.similarity)
+
     # ------------------------------------------------------------------ gestures
 
     def _on_interaction_changed(self, running: bool) -> None:

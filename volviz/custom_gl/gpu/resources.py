@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import moderngl
 import numpy as np
@@ -34,11 +34,10 @@ from volviz.kernels.bricks import (
 )
 from volviz.model.transfer_function import TransferFunction, table_size
 from volviz.model.volume import Volume
-from volviz.tasks import LatestResult
+from volviz.tasks import LatestResult, Tasks
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
-    from volviz.custom_gl.technique import Frame
 
 #: Bytes uploaded at once, so that the GUI thread is never held up for long.
 SLAB_BYTES = 4 * 2**20
@@ -46,6 +45,21 @@ SLAB_BYTES = 4 * 2**20
 SMALL_VOXELS = 2**20
 PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
+
+
+class SampledFrame(Protocol):
+    """What of a `volviz.custom_gl.technique.Frame` decides which textures its rays need."""
+
+    volume: Volume
+    transfer_function: TransferFunction
+    common: Any
+    scene_depth: Any
+    interactive: bool
+    tasks: Tasks
+
+    @property
+    def step_world(self) -> float:
+        """Distance between samples in world units."""
 
 
 class VolumeResources:
@@ -219,7 +233,7 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ empty space
 
-    def visible_distance(self, frame: Frame) -> Any:
+    def visible_distance(self, frame: SampledFrame) -> Any:
         """Empty-space field for what the frame's transfer function shows (see `occupied`)."""
         margin = _margin(frame)
 
@@ -230,7 +244,7 @@ class VolumeResources:
         slot = f"visible, {max(self.texels.factor)} voxels a texel"
         return self._cached(self._distances, slot, (margin, *self.occupancy_key(frame)), make)
 
-    def occupancy_key(self, frame: Frame) -> tuple[Any, ...]:
+    def occupancy_key(self, frame: SampledFrame) -> tuple[Any, ...]:
         """Everything that `occupied` depends on; equal keys, equal bricks."""
         function = frame.transfer_function
         if function.by_gradient is None:
@@ -244,7 +258,7 @@ class VolumeResources:
             _bricks_of_differences(frame),
         )
 
-    def occupied(self, frame: Frame) -> npt.NDArray[np.bool_]:
+    def occupied(self, frame: SampledFrame) -> npt.NDArray[np.bool_]:
         """Which bricks may hold anything visible, shape (b_z, b_y, b_x).
 
         Regions are looked at by value alone until the gradients of a large volume are known.
@@ -268,7 +282,7 @@ class VolumeResources:
             (bricks.low, bricks.high), bounds, visible_plane_sums(opacity), table.values, table.gradients
         )
 
-    def _gradient_bricks(self, frame: Frame) -> Bricks | None:
+    def _gradient_bricks(self, frame: SampledFrame) -> Bricks | None:
         """Bounds of the gradients; None for a large volume until a task has found them."""
         volume = self.volume
         known = known_gradient_bricks(volume)
@@ -314,7 +328,7 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ binding
 
-    def bind(self, program: Program, frame: Frame, table_length: float | None = None) -> None:
+    def bind(self, program: Program, frame: SampledFrame, table_length: float | None = None) -> None:
         """Bind every texture that the program asks for; opacities of the table are for that length (see `table`)."""
         units = program.units
         program.use_texture("t_scalars", self.scalars)
@@ -373,12 +387,13 @@ class VolumeResources:
             cache.clear()
 
 
-def _bricks_of_differences(frame: Frame) -> int:
+def _bricks_of_differences(frame: SampledFrame) -> int:
     """Bricks that central differences reach beyond what the bounds of their own brick cover, one voxel."""
-    return math.ceil(max(frame.common.gradient_delta - 1.0, 0.0) / BRICK)
+    delta: float = frame.common.gradient_delta
+    return math.ceil(max(delta - 1.0, 0.0) / BRICK)
 
 
-def _margin(frame: Frame) -> int:
+def _margin(frame: SampledFrame) -> int:
     """Bricks that empty space must keep away from what is visible: pre-integration looks at both ends of a step."""
     if not frame.common.preintegrated:
         return 0

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.host.pixel_shapes import PixelShapes
+from volviz.custom_gl.host.renderer_view import RendererView
+from volviz.custom_gl.technique import TechniqueInfo
 from volviz.kernels.slices import slice_polygons
 from volviz.model.cut_plane import default_cut_plane
 from volviz.model.grips import (
@@ -25,9 +27,8 @@ from volviz.model.grips import (
     distance_to_segment,
     radius_in_view,
 )
-
-if TYPE_CHECKING:
-    from volviz.custom_gl.host.handle import VolumeHandle
+from volviz.model.light import Light
+from volviz.model.volume import Volume
 
 Array = npt.NDArray[np.float64]
 Pixel = tuple[float, float]
@@ -40,6 +41,48 @@ ARROW = 0.22
 _DARK = (0.05, 0.06, 0.07, 0.75)
 _PLANE = (1.0, 0.76, 0.28, 1.0)
 _HELD = (1.0, 1.0, 1.0, 1.0)
+
+
+class HandleOwner(Protocol):
+    """What of a `VolumeHandle` its handles look at, and what they move."""
+
+    plotter: Any
+    renderer: Any
+    window: Any
+    view: RendererView
+
+    @property
+    def volume(self) -> Volume:
+        """The data shown."""
+
+    @property
+    def technique(self) -> TechniqueInfo:
+        """Says which handles there are."""
+
+    @property
+    def settings(self) -> Any:
+        """With the cut plane."""
+
+    @property
+    def light(self) -> Light:
+        """The light."""
+
+    @property
+    def light_position(self) -> tuple[float, float, float]:
+        """Where it is, in the world."""
+
+    @property
+    def box_corners(self) -> Array:
+        """World corners of the cropped box, shape (8, 3)."""
+
+    def update(self, **changes: Any) -> object:
+        """Show something else."""
+
+    def begin_interaction(self) -> None:
+        """A drag begins."""
+
+    def end_interaction(self) -> None:
+        """It is over."""
 
 
 class SceneHandles:
@@ -58,7 +101,7 @@ class SceneHandles:
         Pixels of the framebuffer per pixel of the window system.
     """
 
-    def __init__(self, owner: VolumeHandle, *, listens: bool) -> None:
+    def __init__(self, owner: HandleOwner, *, listens: bool) -> None:
         self._owner = owner
         self._shapes = PixelShapes()
         self._held: str | None = None

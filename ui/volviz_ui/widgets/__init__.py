@@ -1,0 +1,1 @@
+"""Small widgets that panels, views, editors and dialogs share."""
