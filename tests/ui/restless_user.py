@@ -287,10 +287,10 @@ class RestlessUser:
                 raise Mistake(f"never at rest: {[p.display.status for p in self.window.views.shown_panes]}")
 
     def _is_quiet(self) -> bool:
-        views, scene = self.window.views, self.window.store.scene
+        views = self.window.views
         difference = views.arrangement.difference
         settled = not difference.isVisible() or difference.is_exact
-        ready = self.window.documents.is_ready_for(scene) and not self.window.documents.is_loading
+        ready = self.window.documents.is_current and not self.window.documents.is_loading
         return views.is_complete and ready and not self.window.store.is_interacting and settled
 
     # ------------------------------------------------------------------ looking

@@ -21,7 +21,7 @@ from volviz.model.light import Light
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
-from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.references import VolumeKey, VolumeRef
 from volviz_ui.binding import send_value, show_value
 from volviz_ui.volume_cache import VolumeCache
 from volviz_ui.workers import Task, Workers
@@ -208,19 +208,19 @@ def make_volume(kilobytes: int) -> Volume:
 
 def test_the_cache_keeps_what_was_used_last() -> None:
     cache = VolumeCache(budget=100 * 1024)
-    refs = [VolumeRef(f"file{n}") for n in range(4)]
-    for ref in refs[:3]:
-        cache.put(ref, make_volume(30))
-    assert cache.get(refs[0]) is not None
-    cache.put(refs[3], make_volume(30))
-    assert cache.get(refs[1]) is None
-    assert cache.get(refs[0]) is not None
+    keys = [VolumeKey(VolumeRef(f"file{n}")) for n in range(4)]
+    for key in keys[:3]:
+        cache.put(key, make_volume(30))
+    assert cache.get(keys[0]) is not None
+    cache.put(keys[3], make_volume(30))
+    assert cache.get(keys[1]) is None
+    assert cache.get(keys[0]) is not None
     assert cache.size <= cache.budget
 
 
 def test_a_volume_larger_than_the_cache_is_kept_alone() -> None:
     cache = VolumeCache(budget=1024)
-    cache.put(VolumeRef("small"), make_volume(2))
-    cache.put(VolumeRef("large"), make_volume(64))
+    cache.put(VolumeKey(VolumeRef("small")), make_volume(2))
+    cache.put(VolumeKey(VolumeRef("large")), make_volume(64))
     assert len(cache) == 1
-    assert cache.get(VolumeRef("large")) is not None
+    assert cache.get(VolumeKey(VolumeRef("large"))) is not None

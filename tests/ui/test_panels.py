@@ -29,6 +29,7 @@ from volviz.custom_gl.scene_techniques import (
     drawing_techniques,
 )
 from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeKey, VolumeRef
 from volviz_ui.editors.number import STEPS, NumberEditor
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels import form_shelf
@@ -333,7 +334,10 @@ def test_long_names_and_units_are_shortened_and_make_nothing_wider(window: MainW
     before = panel.body.minimumSizeHint().width()
     name = "a_very_long_name_of_a_measurement_that_goes_on_and_on.nii"
     long = Volume(volume.array, spacing=(0.123456, 0.234567, 0.345678), unit=unit, name=name)
-    window._on_volume_changed(long)
+    ref = VolumeRef("array:1")
+    window.documents.cache.put(VolumeKey(ref), long)
+    window.store.update(lambda scene: scene.with_layer(volume=ref), label="Long names")
+    assert window.documents.volume is long
     QTest.qWait(20)
     assert panel.body.minimumSizeHint().width() == before
     shown = panel._facts["name"]
@@ -344,7 +348,8 @@ def test_long_names_and_units_are_shortened_and_make_nothing_wider(window: MainW
     field = window.transfer_editor.fields.value
     assert field.suffix() == ""
     assert field.sizeHint().width() < 200
-    window._on_volume_changed(volume)
+    window.store.undo()
+    window.store.undo()
     assert panel._facts["name"].text() == volume.name
 
 

@@ -16,21 +16,26 @@ from shiboken6 import isValid
 
 from volviz.model.scene import Scene
 from volviz.model.store import Store
+from volviz_ui.documents import Documents
 
 Value = TypeVar("Value")
 
 
 def show_value(
-    store: Store, read: Callable[[Scene], Value], apply: Callable[[Value], object], *, now: bool = True
+    source: Store | Documents,
+    read: Callable[[Any], Value],
+    apply: Callable[[Value], object],
+    *,
+    now: bool = True,
 ) -> None:
     """Call `apply` with a value of the scene whenever that value is another one.
 
     Parameters
     ----------
-    store : Store
-        Where the scene is.
+    source : Store or Documents
+        Where the scene is; documents give a `LoadedScene`, once the volumes of a new one are there.
     read : callable
-        Takes a scene, gives the value. Must not refer to the widget, or the widget stays alive.
+        Takes what the source gives, gives the value. Must not refer to the widget, or the widget stays alive.
     apply : bound method of a QObject
         Takes the value; the object's signals are blocked meanwhile: showing a value never sends it back.
     now : bool
@@ -42,7 +47,7 @@ def show_value(
         call = method()
         owner = None if call is None else call.__self__
         if owner is None or (isinstance(owner, QObject) and not isValid(owner)):
-            store.changed.disconnect(on_changed, missing_ok=True)
+            source.changed.disconnect(on_changed, missing_ok=True)
             return
         if isinstance(owner, QObject):
             blocker = QSignalBlocker(owner)
@@ -53,14 +58,14 @@ def show_value(
         else:
             call(value)
 
-    def on_changed(old: Scene, new: Scene) -> None:
+    def on_changed(old: Any, new: Any) -> None:
         before, after = read(old), read(new)
         if before is not after and before != after:
             deliver(after)
 
-    store.changed.connect(on_changed)
+    source.changed.connect(on_changed)
     if now:
-        deliver(read(store.scene))
+        deliver(read(source.scene if isinstance(source, Store) else source.shown))
 
 
 def send_value(

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from psygnal import Signal as Event
 from PySide6.QtCore import QObject, Signal
 
 from volviz.custom_gl.gpu.scalars import bricks_of
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.layers import ImageLayer, LabelLayer
+from volviz.model.layers import ImageLayer
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-from volviz.volume_data.references import VolumeRef, content_id
+from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.volume_cache import VolumeCache
 from volviz_ui.workers import Task, Workers
 
@@ -28,7 +31,7 @@ SAMPLE_PREFIX = "sample:"
 class Opened:
     """What a worker brings: the volume and how to show it at first."""
 
-    ref: VolumeRef
+    key: VolumeKey
     volume: Volume
     transfer_function: TransferFunction
     technique: str | None = None
@@ -38,13 +41,17 @@ class Opened:
 
 
 class Documents(QObject):
-    """Keeps the volume of the scene at hand.
+    """Keeps the volumes of the scene at hand.
 
-    `volume_changed` carries the volume that belongs to the scene; until it is there (a file is being read
-    again after undo) the former one stays.
+    Attributes
+    ----------
+    changed : signal (LoadedScene, LoadedScene)
+        What is shown is something else: the old and the new. It follows every change of the store as soon as the
+        volumes of the new scene are there; while a file is being read (again, after undo) the former pair stays.
+        A listener that changes the scene is heard after all have taken the change before.
     """
 
-    volume_changed = Signal(object)
+    changed = Event(LoadedScene, LoadedScene)
     loading_started = Signal(str)
     loading_progressed = Signal(float, str)
     loading_ended = Signal()
@@ -57,9 +64,10 @@ class Documents(QObject):
         self._store = store
         self._workers = workers
         self.cache = VolumeCache()
-        self._volume: Volume | None = None
-        self._shown: tuple[ImageLayer | LabelLayer, ...] = ()
-        self._awaited: VolumeRef | None = None
+        self._shown = LoadedScene()
+        self._shown = self._loaded(store.scene) or self._shown
+        self._changes: deque[tuple[LoadedScene, LoadedScene]] = deque()
+        self._awaited: VolumeKey | None = None
         self._task: Task | None = None
         self._way_back: Callable[[], bool] | None = None
         store.changed.connect(self._on_scene_changed)
@@ -67,13 +75,19 @@ class Documents(QObject):
     # ------------------------------------------------------------------ asking
 
     @property
+    def shown(self) -> LoadedScene:
+        """What is shown now."""
+        return self._shown
+
+    @property
     def volume(self) -> Volume | None:
         """The volume that is shown now."""
-        return self._volume
+        return self._shown.volume
 
-    def is_ready_for(self, scene: Scene) -> bool:
-        """Whether the volume of that scene is the one at hand."""
-        return scene.layer is not None and bool(self._shown) and scene.layer.volume == self._shown[0].volume
+    @property
+    def is_current(self) -> bool:
+        """Whether the scene of the store is the one that is shown, and no volume is awaited for it."""
+        return self._shown.scene is self._store.scene
 
     @property
     def is_loading(self) -> bool:
@@ -89,7 +103,7 @@ class Documents(QObject):
             text = str(Path(text).absolute())
         ref = VolumeRef(text, tuple(hints.items()), content_id(text))
         self._way_back = None
-        self._start(ref, first=True)
+        self._start(VolumeKey(ref), first=True)
 
     def open_scene(self, scene: Scene) -> None:
         """Show a whole scene, as from a session file, once its volume has been read."""
@@ -98,8 +112,8 @@ class Documents(QObject):
         self._way_back = None
         source = scene.layer.volume.source
         ref = replace(scene.layer.volume, content_id=content_id(source))
-        layers = (replace(scene.layer, volume=ref), *scene.layers[1:])
-        self._start(ref, first=True, scene=replace(scene, layers=layers))
+        scene = scene.with_layer(volume=ref)
+        self._start(scene.layer.key, first=True, scene=scene)
 
     def cancel(self) -> None:
         """Give up what is being read."""
@@ -122,14 +136,14 @@ class Documents(QObject):
         """Stop listening and let go of all volumes."""
         self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
         self._task = None
-        self._volume = None
+        self._shown = LoadedScene()
         self.cache.clear()
 
     # ------------------------------------------------------------------ inside
 
-    def _start(self, ref: VolumeRef, *, first: bool, scene: Scene | None = None) -> None:
-        name = title_of(ref)
-        task = self._workers.start(lambda task: open_volume(ref, task, scene), label=name, key="load")
+    def _start(self, key: VolumeKey, *, first: bool, scene: Scene | None = None) -> None:
+        name = title_of(key.ref)
+        task = self._workers.start(lambda task: open_volume(key, task, scene), label=name, key="load")
         self._task = task
         task.progressed.connect(self.loading_progressed)
         task.succeeded.connect(self._on_first_loaded if first else self._on_loaded_again)
@@ -143,7 +157,7 @@ class Documents(QObject):
 
     def _on_first_loaded(self, opened: Opened) -> None:
         self._end()
-        self.cache.put(opened.ref, opened.volume)
+        self.cache.put(opened.key, opened.volume)
         is_first = self._store.scene.layer is None
         self._store.update(
             lambda scene: scene_with(scene, opened),
@@ -157,8 +171,8 @@ class Documents(QObject):
     def _on_loaded_again(self, opened: Opened) -> None:
         self._end()
         self._way_back = None
-        self.cache.put(opened.ref, opened.volume)
-        self._show_if_there(self._store.scene)
+        self.cache.put(opened.key, opened.volume)
+        self._follow(self._store.scene)
 
     def _on_failed(self, task: Task, error: Exception) -> None:
         if task is not self._task:
@@ -171,41 +185,53 @@ class Documents(QObject):
 
     def _return_to_shown(self) -> None:
         """Make the scene show again what is at hand, after a file of the history could not be read."""
-        if self.is_ready_for(self._store.scene) or not self._shown:
+        if self.is_current or self._shown.volume is None:
             return
         way_back, self._way_back = self._way_back, None
         if way_back is not None:
             way_back()
-        if not self.is_ready_for(self._store.scene):
-            layers = self._shown
+        if not self.is_current:
+            layers = self._shown.scene.layers
             self._store.update(lambda scene: replace(scene, layers=layers), label=self.tr("Keep the volume"))
 
-    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
-        if new.layers and self.is_ready_for(new):
-            self._shown = new.layers
+    def _on_scene_changed(self, _old: Scene, new: Scene) -> None:
+        self._follow(new)
+
+    def _follow(self, scene: Scene) -> None:
+        """Show a scene once its volumes are there."""
+        loaded = self._loaded(scene)
+        if loaded is not None:
             if self._awaited is not None:
                 self._workers.cancel("load")
                 self._end()
-            if old.layer is None or old.layer.volume != new.layers[0].volume:
-                # back from a volume that never arrived: nothing of the scenes in between was shown
-                self.volume_changed.emit(self._volume)
-        elif new.layer is None or old.layer is None or new.layer.volume != self._awaited:
-            self._show_if_there(new)
+            self._show(loaded)
+        elif scene.layer is not None and scene.layer.key != self._awaited:
+            self._awaited = scene.layer.key
+            self._start(scene.layer.key, first=False)
 
-    def _show_if_there(self, scene: Scene) -> None:
+    def _loaded(self, scene: Scene) -> LoadedScene | None:
+        """The scene with its volumes, None when one of them must be read."""
         if scene.layer is None:
-            self._volume, self._shown = None, ()
-            self.volume_changed.emit(None)
+            return LoadedScene(scene)
+        key = scene.layer.key
+        if key in self._shown.volumes:
+            return LoadedScene(scene, self._shown.volumes)
+        volume = self.cache.get(key)
+        return None if volume is None else LoadedScene(scene, {key: volume})
+
+    def _show(self, new: LoadedScene) -> None:
+        old, self._shown = self._shown, new
+        if new.volume is not old.volume and new.volume is not None and self._workers.gate is not None:
+            # the histograms wait until the first picture has been drawn
+            self._workers.gate.shut()
+        self._changes.append((old, new))
+        if len(self._changes) > 1:
             return
-        volume = self.cache.get(scene.layer.volume)
-        if volume is None:
-            self._awaited = scene.layer.volume
-            self._start(scene.layer.volume, first=False)
-            self._awaited = scene.layer.volume
-            return
-        self._shown = scene.layers
-        self._volume = volume
-        self.volume_changed.emit(volume)
+        while self._changes:
+            try:
+                self.changed.emit(*self._changes[0])
+            finally:
+                self._changes.popleft()
 
 
 def title_of(ref: VolumeRef) -> str:
@@ -215,24 +241,25 @@ def title_of(ref: VolumeRef) -> str:
     return Path(ref.source).name or ref.source
 
 
-def open_volume(ref: VolumeRef, task: Task, scene: Scene | None = None) -> Opened:
+def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None) -> Opened:
     """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker."""
     from volviz.io import load
 
+    ref = key.ref
     task.report(-1.0, "")
     volume = load(ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints))
     # lazily computed and needed by every panel: done here, not in the window
     auto_isovalue(volume)
     bricks_of(volume)
     if scene is not None and scene.layer is not None:
-        return Opened(ref, volume, scene.layer.transfer_function, scene=scene)
+        return Opened(key, volume, scene.layer.transfer_function, scene=scene)
     preset_id = suggested_preset(ref)
     if preset_id is None:
-        return Opened(ref, volume, TransferFunction.auto(volume))
+        return Opened(key, volume, TransferFunction.auto(volume))
     from volviz.model.presets import preset, preset_for
 
     chosen = preset(preset_id)
-    return Opened(ref, volume, preset_for(chosen, volume), chosen.technique, chosen.settings)
+    return Opened(key, volume, preset_for(chosen, volume), chosen.technique, chosen.settings)
 
 
 def suggested_preset(ref: VolumeRef) -> str | None:
@@ -249,7 +276,7 @@ def scene_with(scene: Scene, opened: Opened) -> Scene:
     """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
     if opened.scene is not None:
         return opened.scene
-    layer = ImageLayer(opened.ref, opened.transfer_function, opened.volume.name)
+    layer = ImageLayer(opened.key.ref, opened.transfer_function, opened.volume.name)
     views = tuple(replace(view, camera=None) for view in scene.views)
     clipping = replace(scene.clipping, crop=None, planes=())
     light = replace(scene.light, position=None)

@@ -7,10 +7,10 @@ from typing import Any
 from PySide6.QtCore import QObject
 
 from volviz.custom_gl.scene_techniques import change_setting, current_settings, current_technique
-from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
+from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.transfer_editor import TransferEditor
 from volviz_ui.transfer_editor.model import GESTURE
 
@@ -18,33 +18,22 @@ from volviz_ui.transfer_editor.model import GESTURE
 class IsovalueMarkers(QObject):
     """Shows the isovalues of the technique in the editor's plot, and takes them from there when dragged."""
 
-    def __init__(self, store: Store, editor: TransferEditor, parent: QObject | None = None) -> None:
+    def __init__(
+        self, store: Store, documents: Documents, editor: TransferEditor, parent: QObject | None = None
+    ) -> None:
         super().__init__(parent)
         self._store = store
+        self._documents = documents
         self._editor = editor
-        self._volume: Volume | None = None
         editor.isovalue_moved.connect(self._on_moved)
-        show_value(store, _technique_and_settings, self._show)
+        show_value(documents, _markers, self._show)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Take the automatic isovalue from another volume."""
-        self._volume = volume
-        self._show(None)
-
-    def _show(self, _changed: Any) -> None:
-        values = self._values()
-        settings = current_settings(self._store.scene)
-        self._editor.set_isovalues(values, tuple(getattr(settings, "colors", ())))
-
-    def _values(self) -> tuple[float, ...]:
-        if self._volume is None:
-            return ()
-        scene = self._store.scene
-        return current_technique(scene).isovalues(current_settings(scene), self._volume)
+    def _show(self, markers: tuple[Any, Any]) -> None:
+        self._editor.set_isovalues(*markers)
 
     def _on_moved(self, index: int, value: float) -> None:
-        info = current_technique(self._store.scene)
-        values = list(self._values())
+        info = current_technique(self._documents.shown.scene)
+        values = list(_markers(self._documents.shown)[0])
         if info.isovalue_parameter is None or not 0 <= index < len(values):
             return
         values[index] = value
@@ -52,5 +41,10 @@ class IsovalueMarkers(QObject):
         change_setting(self._store, info.isovalue_parameter, new, gesture=GESTURE)
 
 
-def _technique_and_settings(scene: Scene) -> Any:
-    return scene.view.technique, current_settings(scene)
+def _markers(shown: LoadedScene) -> tuple[Any, Any]:
+    """Isovalues of the technique of the active view, and their colours as far as there are any."""
+    if shown.volume is None:
+        return (), ()
+    settings = current_settings(shown.scene)
+    values = current_technique(shown.scene).isovalues(settings, shown.volume)
+    return values, tuple(getattr(settings, "colors", ()))

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QMainWindow
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import regions_unused
 from volviz.kernels.warm_up import warm_up
-from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.app_context import AppContext
@@ -38,6 +37,7 @@ from volviz_ui.docks import VERSION as LAYOUT_VERSION
 from volviz_ui.docks import Docks
 from volviz_ui.documents import SAMPLE_PREFIX, Documents, Opened
 from volviz_ui.isovalue_markers import IsovalueMarkers
+from volviz_ui.loaded_scene import LoadedScene, volume_of
 from volviz_ui.memory import return_freed_memory
 from volviz_ui.messages import WindowMessages
 from volviz_ui.panels.data import DataPanel
@@ -123,10 +123,6 @@ class MainWindow(QMainWindow):
         )
         self._make_panels()
         self._make_commands()
-        self._panel_timer = QTimer(self)
-        self._panel_timer.setSingleShot(True)
-        self._panel_timer.setInterval(0)
-        self._panel_timer.timeout.connect(lambda: self.technique_panel.set_volume(self.documents.volume))
         self._memory_timer = QTimer(self)
         self._memory_timer.setSingleShot(True)
         self._memory_timer.setInterval(MEMORY_DELAY_MS)
@@ -138,12 +134,12 @@ class MainWindow(QMainWindow):
     def _make_panels(self) -> None:
         store, documents, workers, views, tr = self.store, self.documents, self.workers, self.views, self.tr
         self.compare_commands = CompareCommands(self.context)
-        self.data_panel = DataPanel(store, workers, self)
-        self.technique_panel = TechniquePanel(store, self)
-        self.transfer_editor = TransferEditor(store, self)
+        self.data_panel = DataPanel(store, documents, workers, self)
+        self.technique_panel = TechniquePanel(store, documents, self)
+        self.transfer_editor = TransferEditor(store, documents, self)
         self.ray_panel = RayPanel(self)
         self.compare_panel = ComparePanel(store, self.compare_commands, self)
-        self.crosscheck_panel = CrosscheckPanel(store, workers, self)
+        self.crosscheck_panel = CrosscheckPanel(documents, workers, self)
         docks = self.docks
         docks.add("data", tr("Data"), self.data_panel, tr("What is loaded, and what is cut away"))
         docks.add("technique", tr("Technique"), self.technique_panel, tr("How the volume is drawn"))
@@ -166,15 +162,13 @@ class MainWindow(QMainWindow):
             tr("Compare our mesh with those of VTK, difference by difference"),
         )  # fmt: skip
         self.transfer_editor.counter.workers.gate = self.gate
-        self.thumbnails = Thumbnails(workers, self)
+        self.thumbnails = Thumbnails(documents, workers, self)
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
-        self.isovalues = IsovalueMarkers(store, self.transfer_editor, self)
-        self.ray_inspector = RayInspector(store, documents, workers, views, self.ray_panel, self)
+        self.isovalues = IsovalueMarkers(store, documents, self.transfer_editor, self)
+        self.ray_inspector = RayInspector(documents, workers, views, self.ray_panel, self)
         self.measurements = Measurements(store, documents, views, workers, self)
         self.measurements.figures_found.connect(views.show_figures)
-        self.surface_distances = SurfaceDistances(
-            store, documents, views, workers, self.measurements.meshes, self
-        )
+        self.surface_distances = SurfaceDistances(documents, views, workers, self.measurements.meshes, self)
         self.compare_panel.distances.follow(self.surface_distances)
         self.reports = Reports(self.context)
         self.compare_panel.follow(self.measurements, self.reports)
@@ -232,7 +226,6 @@ class MainWindow(QMainWindow):
         section.cancel_wanted.connect(self.surface.cancel)
         section.export_wanted.connect(self.file_commands.export_mesh)
         self.compare_commands.report_wanted.connect(self.reports.write_report)
-        self.documents.volume_changed.connect(self._on_volume_changed)
         self.documents.opened.connect(self._on_opened)
         self.views.failed.connect(self.gate.open)
         self.views.status_changed.connect(self._on_status_changed)
@@ -244,12 +237,11 @@ class MainWindow(QMainWindow):
         self.docks["ray"].visibilityChanged.connect(self.ray_inspector.set_active)
         self.ray_inspector.value_pointed.connect(self.transfer_editor.highlight_value)
         self.transfer_editor.value_hovered.connect(self.ray_panel.plot.mark_value)
-        show_value(self.store, lambda scene: scene.view.technique, self._show_technique)
-        show_value(self.store, _why_no_regions, self._show_regions_unused)
-        show_value(
-            self.store, lambda scene: scene.layer and scene.layer.transfer_function, self._show_function
-        )
-        show_value(self.store, lambda scene: scene.active_index, self._show_active)
+        show_value(self.documents, lambda shown: shown.scene.view.technique, self._show_technique)
+        show_value(self.documents, _why_no_regions, self._show_regions_unused)
+        show_value(self.documents, volume_of, self._show_volume, now=False)
+        show_value(self.documents, volume_of, self.messages.status_line.show_volume)
+        show_value(self.documents, lambda shown: shown.scene.active_index, self._show_active)
 
     def _restore(self) -> None:
         self.view_commands.restore()
@@ -271,24 +263,11 @@ class MainWindow(QMainWindow):
             self.file_commands.open_path(source)
 
     def _on_opened(self, opened: Opened) -> None:
-        if not opened.ref.source.startswith(SAMPLE_PREFIX):
-            self.preferences.add_recent(opened.ref)
+        if not opened.key.ref.source.startswith(SAMPLE_PREFIX):
+            self.preferences.add_recent(opened.key.ref)
 
-    def _on_volume_changed(self, volume: Volume | None) -> None:
-        layer = self.store.scene.layer
-        if volume is not None:
-            # the histograms wait until the first picture has been drawn
-            self.gate.shut()
+    def _show_volume(self, volume: Volume | None) -> None:
         self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
-        self.views.set_volume(volume, layer.transfer_function if layer else None)
-        self.data_panel.set_volume(volume)
-        # its widgets are made anew, which has time until the next turn of the event loop
-        self._panel_timer.start()
-        self.crosscheck_panel.set_volume(volume)
-        self.transfer_editor.set_volume(volume)
-        self.thumbnails.set_volume(volume)
-        self.isovalues.set_volume(volume)
-        self.messages.status_line.show_volume(volume)
         self._memory_timer.start()
         if volume is not None:
             # where there is no machine code on disk yet, nobody shall wait for it later
@@ -303,7 +282,8 @@ class MainWindow(QMainWindow):
         self.transfer_editor.set_two_dimensional_available(not why_not, why_not)
 
     def _show_technique(self, _technique: str) -> None:
-        self.messages.status_line.show_technique(current_technique(self.store.scene).label)
+        label = current_technique(self.documents.shown.scene).label
+        self.messages.status_line.show_technique(label)
 
     def _on_status_changed(self, view: int, status: Any) -> None:
         if status.complete:
@@ -312,14 +292,9 @@ class MainWindow(QMainWindow):
             self.messages.status_line.show_status(status)
             self.surface.show_status(status, self.views.active.display.handle)
 
-    def _show_function(self, function: Any) -> None:
-        if self.documents.is_ready_for(self.store.scene):
-            self.views.set_function(function)
-
     def _show_active(self, _index: int) -> None:
-        # panes are made by an earlier listener of the store
         status = self.views.active.display.status
-        self.messages.status_line.show_technique(current_technique(self.store.scene).label)
+        self._show_technique("")
         if status is not None:
             self.messages.status_line.show_status(status)
             self.surface.show_status(status, self.views.active.display.handle)
@@ -356,7 +331,6 @@ class MainWindow(QMainWindow):
             self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
         self.pointer.stop()
         self._memory_timer.stop()
-        self._panel_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
         self.file_commands.close()
@@ -372,5 +346,5 @@ class MainWindow(QMainWindow):
         super().closeEvent(event)
 
 
-def _why_no_regions(scene: Scene) -> str:
-    return regions_unused(current_technique(scene), current_settings(scene))
+def _why_no_regions(shown: LoadedScene) -> str:
+    return regions_unused(current_technique(shown.scene), current_settings(shown.scene))

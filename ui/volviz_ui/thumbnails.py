@@ -18,6 +18,9 @@ from volviz.model.parameters import make_settings
 from volviz.model.presets import Preset
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz_ui.binding import show_value
+from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import volume_of
 from volviz_ui.workers import Task, Workers
 
 SIDE = 72
@@ -35,15 +38,14 @@ Deliver = Callable[[QImage], None]
 class Thumbnails(QObject):
     """The `thumbnail_provider` of the transfer-function editor."""
 
-    def __init__(self, workers: Workers, parent: QObject | None = None) -> None:
+    def __init__(self, documents: Documents, workers: Workers, parent: QObject | None = None) -> None:
         super().__init__(parent)
+        self._documents = documents
         self._workers = workers
-        self._volume: Volume | None = None
         self._coarse: npt.NDArray[np.float32] | None = None
+        show_value(documents, volume_of, self._forget)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Show presets on another volume."""
-        self._volume = volume
+    def _forget(self, _volume: Volume | None) -> None:
         self._coarse = None
 
     def request(self, preset: Preset, function: TransferFunction, deliver: Deliver) -> None:
@@ -51,7 +53,7 @@ class Thumbnails(QObject):
 
         `function` is the preset's in the units of the volume.
         """
-        volume, coarse = self._volume, self._coarse
+        volume, coarse = self._documents.volume, self._coarse
         if volume is None:
             return
 
@@ -61,7 +63,7 @@ class Thumbnails(QObject):
             return copy, drawn(copy, function, volume) if picture is None else picture
 
         def arrived(result: Any) -> None:
-            if volume is self._volume:
+            if volume is self._documents.volume:
                 self._coarse = result[0]
                 deliver(image_of(framed(result[1])))
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections import OrderedDict
 
 from volviz.model.volume import Volume
-from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.references import VolumeKey
 
 DEFAULT_BUDGET = 1 << 30
 """Bytes of arrays that are kept."""
 
 
 class VolumeCache:
-    """Volumes by `VolumeRef`, the least recently used leave first.
+    """Volumes by `VolumeKey`, the least recently used leave first.
 
     The history of the store holds references only; a volume that has left is read again when it is needed.
 
@@ -24,22 +24,22 @@ class VolumeCache:
 
     def __init__(self, budget: int = DEFAULT_BUDGET) -> None:
         self.budget = budget
-        self._volumes: OrderedDict[VolumeRef, Volume] = OrderedDict()
+        self._volumes: OrderedDict[VolumeKey, Volume] = OrderedDict()
 
     def __len__(self) -> int:
         return len(self._volumes)
 
-    def get(self, ref: VolumeRef) -> Volume | None:
+    def get(self, key: VolumeKey) -> Volume | None:
         """The volume, or None when it must be loaded."""
-        volume = self._volumes.get(ref)
+        volume = self._volumes.get(key)
         if volume is not None:
-            self._volumes.move_to_end(ref)
+            self._volumes.move_to_end(key)
         return volume
 
-    def put(self, ref: VolumeRef, volume: Volume) -> None:
+    def put(self, key: VolumeKey, volume: Volume) -> None:
         """Keep a volume; others leave when the budget is exceeded."""
-        self._volumes[ref] = volume
-        self._volumes.move_to_end(ref)
+        self._volumes[key] = volume
+        self._volumes.move_to_end(key)
         while len(self._volumes) > 1 and self.size > self.budget:
             self._volumes.popitem(last=False)
 

@@ -16,8 +16,10 @@ from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
-from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.references import VolumeKey, VolumeRef
+from volviz_ui.documents import Documents
 from volviz_ui.transfer_editor import TransferEditor
+from volviz_ui.workers import Workers
 
 NONE = Qt.KeyboardModifier.NoModifier
 
@@ -46,11 +48,32 @@ def store() -> Store:
 
 
 @pytest.fixture
-def editor(qtbot, store, tmp_path) -> Iterator[TransferEditor]:
-    editor = TransferEditor(store, own_presets=OwnPresets(tmp_path / "presets"))
+def documents(qapp, store) -> Iterator[Documents]:
+    """What is shown of the store, with a volume."""
+    documents = documents_of(store, ct_like())
+    yield documents
+    documents.close()
+
+
+def documents_of(store: Store, volume: Volume) -> Documents:
+    """The scene of a store, loaded."""
+    documents = Documents(store, Workers())
+    show(documents, store, volume)
+    return documents
+
+
+def show(documents: Documents, store: Store, volume: Volume) -> None:
+    """Let the first layer show another volume that has been read."""
+    ref = VolumeRef(f"array:{id(volume)}")
+    documents.cache.put(VolumeKey(ref), volume)
+    store.update(lambda scene: scene.with_layer(volume=ref), record=False)
+
+
+@pytest.fixture
+def editor(qtbot, store, documents, tmp_path) -> Iterator[TransferEditor]:
+    editor = TransferEditor(store, documents, own_presets=OwnPresets(tmp_path / "presets"))
     qtbot.addWidget(editor)
     editor.resize(1100, 240)
-    editor.set_volume(ct_like())
     with qtbot.waitExposed(editor):
         editor.show()
     qtbot.waitUntil(lambda: editor.counter.is_done, timeout=120000)

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QColorDialog
 
-from tests.ui.transfer_editor.conftest import ct_like, start_function
+from tests.ui.transfer_editor.conftest import ct_like, documents_of, show, start_function
 from volviz.errors import VolvizError
 from volviz.model.layers import ImageLayer
 from volviz.model.presets import preset, preset_for, presets
@@ -290,9 +290,9 @@ def test_a_drag_in_the_viewport_shifts_and_stretches_as_one_step(editor, store) 
 def test_a_relative_function_is_shown_in_data_units_and_stored_so_when_edited(qtbot, tmp_path) -> None:
     relative = TransferFunction.from_points([(0, (0, 0, 0, 0)), (1, (1, 1, 1, 1))], domain="relative")
     store = Store(Scene(layers=(ImageLayer(VolumeRef("array:1"), relative),)))
-    editor = TransferEditor(store)
+    documents = documents_of(store, ct_like())
+    editor = TransferEditor(store, documents)
     qtbot.addWidget(editor)
-    editor.set_volume(ct_like())
     assert [p.value for p in editor.model.function.points] == [-1024, 1500]
     assert function(store) is relative
     editor.model.select({1})
@@ -301,10 +301,9 @@ def test_a_relative_function_is_shown_in_data_units_and_stored_so_when_edited(qt
     assert [p.value for p in function(store).points] == [-1024, 1490]
 
 
-def test_the_histogram_is_counted_only_when_the_editor_is_seen(qtbot, store) -> None:
-    editor = TransferEditor(store)
+def test_the_histogram_is_counted_only_when_the_editor_is_seen(qtbot, store, documents) -> None:
+    editor = TransferEditor(store, documents)
     qtbot.addWidget(editor)
-    editor.set_volume(ct_like())
     qtbot.wait(30)
     assert editor.counter.counts is None
     editor.show()
@@ -312,10 +311,10 @@ def test_the_histogram_is_counted_only_when_the_editor_is_seen(qtbot, store) -> 
     assert editor.counter.counts.below[-1] == ct_like().array.size
 
 
-def test_another_volume_replaces_histogram_range_and_unit(editor, qtbot) -> None:
+def test_another_volume_replaces_histogram_range_and_unit(editor, store, documents, qtbot) -> None:
     values = np.random.default_rng(2).random((20, 20, 20)).astype(np.float32)
     values[3, 3, 3] = 1e7
-    editor.set_volume(Volume(values))
+    show(documents, store, Volume(values))
     qtbot.waitUntil(lambda: editor.counter.is_done, timeout=20000)
     counts = editor.counter.counts
     assert counts.below[-1] == values.size
@@ -327,18 +326,18 @@ def test_another_volume_replaces_histogram_range_and_unit(editor, qtbot) -> None
     assert editor.fields.value.suffix() == ""
 
 
-def test_closing_while_counting_leaves_no_thread_behind(qtbot, store) -> None:
-    editor = TransferEditor(store)
+def test_closing_while_counting_leaves_no_thread_behind(qtbot, store, documents) -> None:
+    editor = TransferEditor(store, documents)
     editor.show()
-    editor.set_volume(Volume(np.random.default_rng(3).random((160, 160, 160)).astype(np.float32)))
+    show(documents, store, Volume(np.random.default_rng(3).random((160, 160, 160)).astype(np.float32)))
     qtbot.waitUntil(lambda: editor.counter.counts is not None, timeout=20000)
     editor.close()
     editor.deleteLater()
     qtbot.wait(10)
 
 
-def test_the_store_outlives_the_editor(qtbot, store) -> None:
-    editor = TransferEditor(store)
+def test_the_store_outlives_the_editor(qtbot, store, documents) -> None:
+    editor = TransferEditor(store, documents)
     editor.deleteLater()
     qtbot.wait(10)
     store.update(lambda s: s.with_layer(transfer_function=preset("mri").transfer_function))

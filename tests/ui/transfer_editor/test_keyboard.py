@@ -167,7 +167,6 @@ def test_the_page_of_keys_opens_from_the_menu_and_closes_by_escape(editor, qtbot
 
 def test_without_a_volume_nothing_can_be_edited_and_nothing_breaks(editor, store, qtbot) -> None:
     store.update(Scene())
-    editor.set_volume(None)
     assert editor.model.function is None
     for key in (Key.Key_PageDown, Key.Key_Delete, Key.Key_Right, Key.Key_Insert, Key.Key_Escape):
         qtbot.keyClick(editor.plot, key)

@@ -218,13 +218,13 @@ class FileCommands(QObject):
 
     def save_picture(self, path: str, size: tuple[int, int], *, transparent: bool) -> PictureExport | None:
         """Draw the scene at a size and save it, with progress and cancel, while the window goes on."""
-        volume = self._context.documents.volume
-        if volume is None:
+        shown = self._context.documents.shown
+        if shown.volume is None:
             return None
         handle = self._context.views.active.display.handle
         export = PictureExport(
-            self._context.store.scene,
-            volume,
+            shown.scene,
+            shown.volume,
             path,
             size,
             transparent=transparent,

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMainWindow
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, State, keys_in_words, plain
 from volviz_ui.icons import set_icon
+from volviz_ui.loaded_scene import LoadedScene
 
 
 class CommandTable(QObject):
@@ -33,7 +34,7 @@ class CommandTable(QObject):
         self._groups: dict[str, QActionGroup] = {}
         context.store.history_changed.connect(self.refresh)
         context.surface.facts_changed.connect(self.refresh)
-        context.documents.volume_changed.connect(self.refresh)
+        context.documents.changed.connect(self._on_shown_changed)
         for dock in context.docks.all:
             dock.toggleViewAction().toggled.connect(self.refresh)
         context.store.changed.connect(self.refresh)
@@ -112,6 +113,10 @@ class CommandTable(QObject):
         tip = command.tip if isinstance(command.text, str) else plain(words)
         keys = keys_in_words(command).split(",  ")[0]
         action.setToolTip(f"{tip} ({keys})" if keys else tip)
+
+    def _on_shown_changed(self, old: LoadedScene, new: LoadedScene) -> None:
+        if old.volume is not new.volume:
+            self.refresh()
 
     # ------------------------------------------------------------------ making them
 

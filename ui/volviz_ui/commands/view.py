@@ -121,7 +121,7 @@ class ViewCommands(QObject):
 
     def reset_camera(self) -> None:
         """See all that is visible, a little from the side, as at first."""
-        volume, scene = self._context.documents.volume, self._context.store.scene
+        volume, scene = self._context.documents.volume, self._context.documents.shown.scene
         if volume is not None and scene.layer is not None:
             function = drawn_function(
                 current_technique(scene), current_settings(scene), scene.layer.transfer_function

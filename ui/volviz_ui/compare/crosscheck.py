@@ -28,12 +28,12 @@ from PySide6.QtWidgets import (
 
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.scene import Scene
-from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.dialogs.error import show_error
+from volviz_ui.documents import Documents
 from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.loaded_scene import LoadedScene, volume_of
 from volviz_ui.widgets.progress_bar import ProgressBar
 from volviz_ui.widgets.small import quiet_label
 from volviz_ui.workers import Task, Workers
@@ -50,17 +50,16 @@ class CrosscheckPanel(QWidget):
 
     Parameters
     ----------
-    store : Store
-        The scene: isovalue and method are those of the technique where it has them.
+    documents : Documents
+        What is compared: isovalue and method are those of the technique where it has them.
     workers : Workers
         Where the work is done.
     """
 
-    def __init__(self, store: Store, workers: Workers, parent: QWidget | None = None) -> None:
+    def __init__(self, documents: Documents, workers: Workers, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._store = store
+        self._documents = documents
         self._workers = workers
-        self._volume: Volume | None = None
         self._task: Task | None = None
         self.report: CrosscheckReport | None = None
         self._make_controls()
@@ -85,9 +84,8 @@ class CrosscheckPanel(QWidget):
         layout.setSpacing(8)
         layout.addLayout(self._line)
         layout.addWidget(both, 1)
-        show_value(store, _shown_surface, self._show_choice)
-        self._show_report(None)
-        self._show_running(False)
+        show_value(documents, volume_of, self._forget)
+        show_value(documents, _shown_surface, self._show_choice)
 
     def _make_controls(self) -> None:
         self.isovalue = QDoubleSpinBox(self)
@@ -135,18 +133,15 @@ class CrosscheckPanel(QWidget):
 
     # ------------------------------------------------------------------ what is compared
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Compare the surfaces of another volume; the report of the former one goes."""
+    def _forget(self, _volume: Volume | None) -> None:
+        """The report is that of another volume."""
         self.cancel()
-        self._volume = volume
         self._show_report(None)
         self._show_running(False)
-        self._show_choice(_shown_surface(self._store.scene))
+        self._show_choice(_shown_surface(self._documents.shown))
 
     def _show_choice(self, surface: tuple[float | None, str]) -> None:
         isovalue, method = surface
-        if isovalue is None and self._volume is not None:
-            isovalue = auto_isovalue(self._volume)
         if isovalue is not None:
             self.isovalue.setValue(isovalue)
         self.method.setCurrentIndex(self.method.findData(method))
@@ -160,7 +155,7 @@ class CrosscheckPanel(QWidget):
 
     def start(self) -> None:
         """Compare, on a worker."""
-        volume = self._volume
+        volume = self._documents.volume
         if volume is None or self._task is not None:
             return
         isovalue, method = self.isovalue.value(), str(self.method.currentData())
@@ -202,7 +197,7 @@ class CrosscheckPanel(QWidget):
         self.bar.setVisible(on)
         self.bar.show_fraction(0.0)
         self.stop.setVisible(on)
-        self.run.setEnabled(not on and self._volume is not None)
+        self.run.setEnabled(not on and self._documents.volume is not None)
 
     # ------------------------------------------------------------------ the report
 
@@ -265,12 +260,15 @@ class CrosscheckPanel(QWidget):
             show_error(self, self.tr("The report was not saved"), error)
 
 
-def _shown_surface(scene: Scene) -> tuple[float | None, str]:
-    """Isovalue (None: automatic) and method of the surface that the technique shows."""
+def _shown_surface(shown: LoadedScene) -> tuple[float | None, str]:
+    """Isovalue (None without a volume) and method of the surface that the technique shows."""
+    scene, volume = shown.scene, shown.volume
     settings = current_settings(scene)
     value = getattr(settings, "isovalue", None)
     if value is None:
         value = next(iter(getattr(settings, "isovalues", None) or ()), None)
+    if value is None and volume is not None:
+        value = auto_isovalue(volume)
     info = current_technique(scene)
     own = info.extraction if info.kind == "image" else ""
     return value, str(getattr(settings, "method", own)) or "lorensen"

@@ -11,10 +11,10 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.errors import Cancelled
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
 from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
 from volviz_ui.compare.frame_timing import FrameTiming
 from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.view_area import ViewArea
 from volviz_ui.workers import Task, Workers
 
@@ -70,15 +70,14 @@ class Measurements(QObject):
         self._timer.setInterval(DELAY_MS)
         self._timer.timeout.connect(self._measure)
         views.pair_completed.connect(self._on_pair_completed)
-        documents.volume_changed.connect(self._on_volume_changed)
-        store.changed.connect(self._on_scene_changed)
+        documents.changed.connect(self._on_shown_changed)
 
     @property
     def _wanted(self) -> bool:
         """Whether anybody looks at figures, or at the map of similarity."""
-        comparison = self._store.scene.comparison
-        similarity = comparison.mode == "difference" and comparison.map == "ssim"
-        return len(self._store.scene.views) > 1 and (self._watched or similarity)
+        scene = self._documents.shown.scene
+        similarity = scene.comparison.mode == "difference" and scene.comparison.map == "ssim"
+        return len(scene.views) > 1 and (self._watched or similarity)
 
     # ------------------------------------------------------------------ pictures and meshes
 
@@ -97,7 +96,7 @@ class Measurements(QObject):
 
     def _measure(self) -> None:
         pair = self._views.arrangement.pair
-        volume, scene = self._documents.volume, self._store.scene
+        volume, scene = self._documents.volume, self._documents.shown.scene
         pictures = self._views.pair_pictures()
         if pair is None or volume is None or pictures is None or scene.view.camera is None:
             return
@@ -161,12 +160,12 @@ class Measurements(QObject):
 
     # ------------------------------------------------------------------ what changes
 
-    def _on_volume_changed(self, _volume: Volume | None) -> None:
-        self.meshes.clear()
-        self._forget()
-
-    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
-        if _drawn(old) != _drawn(new):
+    def _on_shown_changed(self, before: LoadedScene, after: LoadedScene) -> None:
+        old, new = before.scene, after.scene
+        if before.volume is not after.volume:
+            self.meshes.clear()
+            self._forget()
+        elif _drawn(old) != _drawn(new):
             self._forget()
         if _converging(old) != _converging(new):
             self.convergence_outdated.emit()
@@ -188,7 +187,7 @@ class Measurements(QObject):
 
     def tell_pair(self) -> None:
         """Emit what is known of the present pair without measuring."""
-        scene = self._store.scene
+        scene = self._documents.shown.scene
         pair = self._views.arrangement.pair
         several = len(scene.views) > 1 and pair is not None
         self.several_changed.emit(several)
@@ -204,7 +203,7 @@ class Measurements(QObject):
 
     def close(self) -> None:
         """Stop measuring: the window closes."""
-        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._documents.changed.disconnect(self._on_shown_changed, missing_ok=True)
         self._timer.stop()
         self.timing.cancel()
         self._workers.cancel("compare")

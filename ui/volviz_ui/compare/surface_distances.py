@@ -12,11 +12,10 @@ from volviz.compare.distance_map import DistanceMap, distance_maps
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import InputError
 from volviz.model.comparison import Comparison
-from volviz.model.scene import Scene
-from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.compare.figures import MeshStore, mesh_key
 from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.pane import Pane
 from volviz_ui.views.view_area import ViewArea
 from volviz_ui.workers import Task, Workers
@@ -63,7 +62,6 @@ class SurfaceDistances(QObject):
 
     def __init__(
         self,
-        store: Store,
         documents: Documents,
         views: ViewArea,
         workers: Workers,
@@ -71,7 +69,6 @@ class SurfaceDistances(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self._store = store
         self._documents = documents
         self._views = views
         self._workers = workers
@@ -83,9 +80,7 @@ class SurfaceDistances(QObject):
         self._timer.setSingleShot(True)
         self._timer.setInterval(DELAY_MS)
         self._timer.timeout.connect(self._measure)
-        # both come after the views have taken the change
-        documents.volume_changed.connect(self._on_volume_changed)
-        store.changed.connect(self._on_scene_changed)
+        documents.changed.connect(self._on_shown_changed)
 
     @property
     def colors(self) -> DistanceColors | None:
@@ -94,20 +89,21 @@ class SurfaceDistances(QObject):
 
     # ------------------------------------------------------------------ what is wanted
 
-    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
-        if (old.views, old.active_index, old.comparison, old.layers) != (
+    def _on_shown_changed(self, before: LoadedScene, after: LoadedScene) -> None:
+        old, new = before.scene, after.scene
+        if before.volume is not after.volume:
+            self._kept.clear()
+            self.sync()
+        elif (old.views, old.active_index, old.comparison, old.layers) != (
             new.views, new.active_index, new.comparison, new.layers
         ):  # fmt: skip
             self.sync()
 
-    def _on_volume_changed(self, _volume: Volume | None) -> None:
-        self._kept.clear()
-        self.sync()
-
     def _both(self) -> _Pair | None:
         """The two surfaces that are compared, None where there are not two."""
-        panes, volume, scene = self._views.arrangement.pair, self._documents.volume, self._store.scene
-        if panes is None or volume is None or not self._documents.is_ready_for(scene):
+        panes, shown = self._views.arrangement.pair, self._documents.shown
+        volume, scene = shown.volume, shown.scene
+        if panes is None or volume is None:
             return None
         infos = [current_technique(scene, pane.view) for pane in panes]
         if not all(info.colors_surface for info in infos):
@@ -119,7 +115,7 @@ class SurfaceDistances(QObject):
 
     def sync(self) -> None:
         """Show what there is for the present pair, and measure what there is not."""
-        comparison = self._store.scene.comparison
+        comparison = self._documents.shown.scene.comparison
         both = self._both()
         self.available_changed.emit(both is not None)
         wanted = both if comparison.distances != "off" else None
@@ -172,7 +168,7 @@ class SurfaceDistances(QObject):
         self._kept[pair.key] = found
         for old in list(self._kept)[:-KEPT]:
             del self._kept[old]
-        self._show(self._store.scene.comparison)
+        self._show(self._documents.shown.scene.comparison)
 
     def _on_failed(self, error: BaseException) -> None:
         self.state_changed.emit(str(error))
@@ -226,6 +222,6 @@ class SurfaceDistances(QObject):
 
     def close(self) -> None:
         """Stop measuring: the window closes."""
-        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._documents.changed.disconnect(self._on_shown_changed, missing_ok=True)
         self._timer.stop()
         self._workers.cancel(KEY)

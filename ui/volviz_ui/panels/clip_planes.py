@@ -14,8 +14,10 @@ from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import send_gesture, send_value, show_value
+from volviz_ui.documents import Documents
 from volviz_ui.editors.number import Scale, SliderField
 from volviz_ui.icons import set_icon
+from volviz_ui.loaded_scene import volume_of
 from volviz_ui.widgets.small import small_button
 
 Planes = tuple[Plane, ...]
@@ -27,9 +29,10 @@ class ClipPlanes(QWidget):
 
     planes_changed = Signal(object)
 
-    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+    def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
+        self._documents = documents
         self._volume: Volume | None = None
         self.rows: list[_PlaneRow] = []
         self._column = QVBoxLayout(self)
@@ -41,15 +44,15 @@ class ClipPlanes(QWidget):
         self.add.clicked.connect(self._show_menu)
         self._column.addWidget(self.add)
         send_value(self.planes_changed, store, _with_planes, label=self.tr("Clip planes"), gesture=GESTURE)
-        show_value(store, lambda scene: scene.clipping.planes, self.show_planes)
-        self.set_volume(None)
+        show_value(documents, volume_of, self._show_volume)
+        show_value(documents, lambda shown: shown.scene.clipping.planes, self.show_planes)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Take the range of the sliders from another volume."""
+    def _show_volume(self, volume: Volume | None) -> None:
         self._volume = volume
         self.setEnabled(volume is not None)
+        # the range of the sliders is that of the volume
         self._clear()
-        self.show_planes(self._store.scene.clipping.planes)
+        self.show_planes(self._planes())
 
     def show_planes(self, planes: Planes) -> None:
         """Show all planes; rows stay when only their places have changed."""
@@ -76,10 +79,15 @@ class ClipPlanes(QWidget):
     def add_plane(self, normal: tuple[float, float, float]) -> None:
         """One more plane through the middle of the volume."""
         if self._volume is not None:
-            self.planes_changed.emit((*self._planes(), (self._volume.center, normal)))
+            self._send((*self._planes(), (self._volume.center, normal)))
 
     def _planes(self) -> Planes:
-        return self._store.scene.clipping.planes
+        return self._documents.shown.scene.clipping.planes
+
+    def _send(self, planes: Planes) -> None:
+        # while another volume is awaited, its scene has planes of its own
+        if self._documents.is_current:
+            self.planes_changed.emit(planes)
 
     def _clear(self) -> None:
         for row in self.rows:
@@ -96,7 +104,7 @@ class ClipPlanes(QWidget):
             (self.tr("Axial (head–feet)"), (0.0, 0.0, -1.0)),
         ):
             menu.addAction(words).triggered.connect(partial(self.add_plane, normal))
-        camera = self._store.scene.view.camera
+        camera = self._documents.shown.scene.view.camera
         if camera is not None:
             menu.addAction(self.tr("Facing the view")).triggered.connect(
                 partial(self.add_plane, camera.direction)
@@ -107,17 +115,17 @@ class ClipPlanes(QWidget):
     def _on_moved(self, number: int, origin: tuple[float, float, float]) -> None:
         planes = list(self._planes())
         planes[number] = (origin, planes[number][1])
-        self.planes_changed.emit(tuple(planes))
+        self._send(tuple(planes))
 
     def _on_turned(self, number: int) -> None:
         planes = list(self._planes())
         origin, (x, y, z) = planes[number]
         planes[number] = (origin, (-x, -y, -z))
-        self.planes_changed.emit(tuple(planes))
+        self._send(tuple(planes))
 
     def _on_removed(self, number: int) -> None:
         planes = self._planes()
-        self.planes_changed.emit(planes[:number] + planes[number + 1 :])
+        self._send(planes[:number] + planes[number + 1 :])
 
 
 class _PlaneRow(QWidget):

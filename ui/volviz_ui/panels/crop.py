@@ -14,6 +14,8 @@ from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import send_gesture, send_value, show_value
+from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene, volume_of
 from volviz_ui.theme import is_palette_change
 
 GESTURE = "crop box"
@@ -24,9 +26,10 @@ class CropBox(QWidget):
 
     crop_changed = Signal(object)
 
-    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+    def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
+        self._documents = documents
         self.sliders: list[QRangeSlider] = []
         self._dimensions: tuple[int, int, int] | None = None
         self.fields: list[tuple[QSpinBox, QSpinBox]] = []
@@ -64,8 +67,8 @@ class CropBox(QWidget):
         self.whole.clicked.connect(self._on_whole)
         grid.addWidget(self.whole, 3, 1, 1, 3)
         send_value(self.crop_changed, store, _with_crop, label=self.tr("Crop"), gesture=GESTURE)
-        show_value(store, lambda scene: scene.clipping.crop, self.show_crop)
-        self.set_volume(None)
+        show_value(documents, volume_of, self._show_volume)
+        show_value(documents, _crop_of, self.show_crop)
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Sliders that are not seen do not hear that the button is up."""
@@ -79,8 +82,7 @@ class CropBox(QWidget):
             for slider in self.sliders:
                 _color_bar(slider)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Take the number of voxels from another volume."""
+    def _show_volume(self, volume: Volume | None) -> None:
         self._dimensions = None if volume is None else volume.dimensions
         self.setEnabled(volume is not None)
         for (low, high), slider, n in zip(
@@ -90,7 +92,7 @@ class CropBox(QWidget):
                 slider.setRange(0, n - 1)
                 low.setRange(0, n - 2)
                 high.setRange(1, n - 1)
-        self.show_crop(self._store.scene.clipping.crop)
+        self.show_crop(_crop_of(self._documents.shown))
 
     def show_crop(self, crop: Crop | None) -> None:
         """Show a crop box."""
@@ -118,7 +120,7 @@ class CropBox(QWidget):
         self._send([(low.value(), high.value()) for low, high in self.fields])
 
     def _send(self, ranges: list[tuple[int, int]]) -> None:
-        if self._dimensions is None:
+        if self._dimensions is None or not self._documents.is_current:
             return
         limits: list[float] = []
         for (low, high), n in zip(ranges, self._dimensions, strict=True):
@@ -135,6 +137,10 @@ def _color_bar(slider: QRangeSlider) -> None:
     style = slider._style  # noqa: SLF001
     style.brush_active = style.brush_inactive = accent
     slider.update()
+
+
+def _crop_of(shown: LoadedScene) -> Crop | None:
+    return shown.scene.clipping.crop
 
 
 def _with_crop(scene: Scene, crop: Crop | None) -> Scene:

@@ -6,6 +6,9 @@ from PySide6.QtWidgets import QWidget
 
 from volviz.model.store import Store
 from volviz.model.volume import Volume
+from volviz_ui.binding import show_value
+from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import volume_of
 from volviz_ui.panels.clip_planes import ClipPlanes
 from volviz_ui.panels.crop import CropBox
 from volviz_ui.panels.fact import Fact
@@ -18,7 +21,9 @@ from volviz_ui.workers import Workers
 class DataPanel(Panel):
     """Facts about the volume, its histogram, crop box and clip planes."""
 
-    def __init__(self, store: Store, workers: Workers, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, store: Store, documents: Documents, workers: Workers, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         self._facts: dict[str, Fact] = {}
         facts = Section(self.tr("Volume"), parent=self)
@@ -45,22 +50,21 @@ class DataPanel(Panel):
         facts.add_wide(self.notes)
 
         shown = Section(self.tr("Histogram"), parent=self)
-        self.histogram = HistogramView(workers, self)
+        self.histogram = HistogramView(documents, workers, self)
         shown.add_wide(self.histogram)
 
         crop = Section(self.tr("Crop box"), parent=self)
-        self.crop = CropBox(store, self)
+        self.crop = CropBox(store, documents, self)
         crop.add_wide(self.crop)
 
         planes = Section(self.tr("Clip planes"), parent=self)
-        self.planes = ClipPlanes(store, self)
+        self.planes = ClipPlanes(store, documents, self)
         planes.add_wide(self.planes)
         for section in (facts, shown, crop, planes):
             self.add(section)
-        self.set_volume(None)
+        show_value(documents, volume_of, self._show_volume)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Show another volume."""
+    def _show_volume(self, volume: Volume | None) -> None:
         texts = dict.fromkeys(self._facts, "–") if volume is None else facts_of(volume)
         for key, label in self._facts.items():
             label.show_text(texts[key])
@@ -71,9 +75,6 @@ class DataPanel(Panel):
             item.widget().setVisible(has_nonfinite)
         self.notes.setText(notes_of(volume))
         self.notes.setVisible(bool(self.notes.text()))
-        self.histogram.set_volume(volume)
-        self.crop.set_volume(volume)
-        self.planes.set_volume(volume)
 
 
 def facts_of(volume: Volume) -> dict[str, str]:

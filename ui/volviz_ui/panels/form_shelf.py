@@ -46,7 +46,7 @@ class FormShelf(QObject):
         self._timer.setSingleShot(True)
         self._timer.timeout.connect(self._make_next)
 
-    def set_volume(self, volume: Volume | None) -> None:
+    def make_for(self, volume: Volume | None) -> None:
         """Have forms for another volume: those that name its range or unit are made anew."""
         self._volume = volume
         for ident, form in list(self._forms.items()):

@@ -12,6 +12,9 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from volviz.kernels.histogram import progressive_histogram
 from volviz.model.volume import Volume
+from volviz_ui.binding import show_value
+from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import volume_of
 from volviz_ui.workers import Task, Workers
 
 BINS = 256
@@ -40,7 +43,7 @@ def count_values(volume: Volume, task: Task | None = None) -> npt.NDArray[np.int
 class HistogramView(QWidget):
     """Paints the counts; tells value and count under the pointer."""
 
-    def __init__(self, workers: Workers, parent: QWidget | None = None) -> None:
+    def __init__(self, documents: Documents, workers: Workers, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._workers = workers
         self._volume: Volume | None = None
@@ -49,15 +52,13 @@ class HistogramView(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setToolTip(self.tr("How often each value occurs; the counts are on a logarithmic scale"))
         self.setAccessibleName(self.tr("Histogram"))
+        show_value(documents, volume_of, self._count)
 
     def sizeHint(self) -> QSize:
         """Low and wide."""
         return QSize(200, 64)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Count the values of another volume on a worker."""
-        if volume is self._volume:
-            return
+    def _count(self, volume: Volume | None) -> None:
         self._volume = volume
         self.counts = None
         self.update()

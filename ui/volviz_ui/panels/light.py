@@ -14,8 +14,10 @@ from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import send_gesture, send_value, show_value
+from volviz_ui.documents import Documents
 from volviz_ui.editors import Editor, editor_for
 from volviz_ui.editors.optional import OptionalEditor
+from volviz_ui.loaded_scene import volume_of
 from volviz_ui.panels.panel import Section
 from volviz_ui.panels.settings_form import LABEL_WIDTH
 
@@ -26,7 +28,7 @@ _FIELDS = {"headlight": "headlight", "light_position": "position", "light_color"
 class LightSection(Section):
     """Editors for the fields of `Light`."""
 
-    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+    def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(self_title(), parent=parent)
         self.rows.setColumnMinimumWidth(0, LABEL_WIDTH)
         self.editors: dict[str, Editor] = {}
@@ -41,7 +43,8 @@ class LightSection(Section):
             self.editors[field] = editor
             send_value(editor.value_changed, store, _writer(field), label=parameter.label, gesture=name)
             send_gesture(editor.gesture_started, editor.gesture_finished, store, name)
-        show_value(store, lambda scene: scene.light, self.show_light)
+        show_value(documents, volume_of, self._show_volume)
+        show_value(documents, lambda shown: shown.scene.light, self.show_light)
 
     def show_light(self, light: Light) -> None:
         """Show a light."""
@@ -50,8 +53,8 @@ class LightSection(Section):
         self.editors["position"].setEnabled(not light.headlight)
         self._words["position"].setEnabled(not light.headlight)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Show where the automatic place is for another volume."""
+    def _show_volume(self, volume: Volume | None) -> None:
+        """Show where the automatic place is."""
         editor = self.editors["position"]
         if volume is not None and isinstance(editor, OptionalEditor):
             editor.set_fallback(default_position(volume.bounds))

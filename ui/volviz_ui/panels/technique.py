@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QCoreApplication, QEvent
+from PySide6.QtCore import QCoreApplication, QEvent, QTimer
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
@@ -19,7 +19,9 @@ from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
+from volviz_ui.documents import Documents
 from volviz_ui.editors.technique_box import TechniqueBox
+from volviz_ui.loaded_scene import volume_of
 from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.panels.light import LightSection
 from volviz_ui.panels.panel import Panel
@@ -33,20 +35,25 @@ from volviz_ui.widgets.small import quiet_label, small_button
 class TechniquePanel(Panel):
     """Shows and changes the technique of the active view and its settings."""
 
-    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+    def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._store = store
-        self._volume: Volume | None = None
+        self._documents = documents
+        self._volume = documents.volume
         self._folded: set[str] = set()
         self.form: SettingsForm | None = None
         self.shelf = FormShelf(self._made_form, store, self)
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(0)
+        self._timer.timeout.connect(self._take_volume)
         self.box = TechniqueBox(store, self)
         self.summary: QLabel = quiet_label()
         self.summary.setWordWrap(True)
         self.summary.setToolTip(self.tr("What this technique does"))
         # two lines always, so that the settings do not jump when the words change
         self.summary.setMinimumHeight(2 * self.fontMetrics().lineSpacing())
-        self.light = LightSection(store, self)
+        self.light = LightSection(store, documents, self)
         self.reset_all = small_button(
             "arrow-counter-clockwise", self.tr("All settings of this technique back to their defaults"), self
         )
@@ -60,23 +67,25 @@ class TechniquePanel(Panel):
         self.surface = SurfaceSection(self)
         for widget in (head, self.summary, self.surface, self.light):
             self.add(widget)
-        show_value(store, lambda scene: scene.view.technique, self.show_technique)
-        show_value(store, current_settings, self.show_settings)
-        show_value(store, shows_mesh, self._show_surface)
+        show_value(documents, lambda shown: shown.scene.view.technique, self.show_technique)
+        show_value(documents, lambda shown: current_settings(shown.scene), self.show_settings)
+        show_value(documents, lambda shown: shows_mesh(shown.scene), self._show_surface)
+        show_value(documents, volume_of, self._on_volume, now=False)
 
     def _show_surface(self, on: bool) -> None:
         self.surface.setVisible(on)
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Take range and unit from another volume."""
-        if volume is not self._volume:
-            self._volume = volume
-            if self.form is not None and not self.form.fits(volume):
-                self.column.removeWidget(self.form)
-                self.form = None
-            self.shelf.set_volume(volume)
-            self._show_form()
-        self.light.set_volume(volume)
+    def _on_volume(self, _volume: Volume | None) -> None:
+        # widgets are made anew, which has time until the next turn of the event loop
+        self._timer.start()
+
+    def _take_volume(self) -> None:
+        volume = self._volume = self._documents.volume
+        if self.form is not None and not self.form.fits(volume):
+            self.column.removeWidget(self.form)
+            self.form = None
+        self.shelf.make_for(volume)
+        self._show_form()
 
     def forget_forms(self) -> None:
         """Keep the form that is shown and no other."""
@@ -90,7 +99,7 @@ class TechniquePanel(Panel):
 
     def show_settings(self, settings: Any) -> None:
         """Show the values of the settings."""
-        info = current_technique(self._store.scene)
+        info = current_technique(self._documents.shown.scene)
         if self.form is not None and self.form.info is info:
             self.form.show_settings(settings)
 
@@ -107,11 +116,11 @@ class TechniquePanel(Panel):
         return group not in self._folded
 
     def _show_form(self) -> None:
-        info = current_technique(self._store.scene)
+        info = current_technique(self._documents.shown.scene)
         self.summary.setText(info.summary)
         old, form = self.form, self.shelf.form(info)
         form.fold(self._is_open)
-        form.show_settings(current_settings(self._store.scene))
+        form.show_settings(current_settings(self._documents.shown.scene))
         if self._volume is not None:
             form.show_automatic(automatic_values(self._volume))
         if form is not old:
@@ -139,7 +148,10 @@ class TechniquePanel(Panel):
         self.shelf.stop()
 
     def _on_setting_changed(self, name: str, value: Any) -> None:
-        info = current_technique(self._store.scene)
+        if not self._documents.is_current:
+            self.show_settings(current_settings(self._documents.shown.scene))
+            return  # a volume is awaited, with settings of its own
+        info = current_technique(self._documents.shown.scene)
         parameter = next(p for p in info.parameters if p.name == name)
         change_setting(self._store, parameter, value, gesture=("setting", info.id, name))
 

@@ -13,8 +13,6 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.errors import VolvizError
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
-from volviz.model.scene import Scene
-from volviz.model.store import Store
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz.ray_inspection import RayInspection, inspect_ray
@@ -72,7 +70,7 @@ class RayInspector(QObject):
 
     Parameters
     ----------
-    store, documents, workers
+    documents, workers
         Those of the window.
     views : ViewArea
         Where a click chooses the pixel; the ray is that of the active view, its mark is shown in all of them.
@@ -85,7 +83,6 @@ class RayInspector(QObject):
 
     def __init__(
         self,
-        store: Store,
         documents: Documents,
         workers: Workers,
         views: ViewArea,
@@ -93,7 +90,7 @@ class RayInspector(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self._store, self._documents, self._workers = store, documents, workers
+        self._documents, self._workers = documents, workers
         self._views, self.panel = views, panel
         self.place: tuple[float, float] | None = None
         self.is_active = False
@@ -105,8 +102,7 @@ class RayInspector(QObject):
         self._timer.timeout.connect(self._follow)
         views.clicked.connect(self._on_clicked)
         views.drawn.connect(self._ask)
-        store.changed.connect(self._on_scene_changed)
-        documents.volume_changed.connect(self._ask)
+        documents.changed.connect(self._ask)
         panel.pixel_entered.connect(self._on_pixel_entered)
         panel.cleared.connect(self.clear)
         panel.plot.sample_chosen.connect(self._show_sample)
@@ -148,7 +144,7 @@ class RayInspector(QObject):
     def close(self) -> None:
         """The window ends."""
         self._timer.stop()
-        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._documents.changed.disconnect(self._ask, missing_ok=True)
 
     # ------------------------------------------------------------------ following
 
@@ -161,21 +157,13 @@ class RayInspector(QObject):
         width, height = self._views.active.viewport.pixel_size
         self.inspect(((column + 0.5) / width, (row + 0.5) / height))
 
-    def _on_scene_changed(self, _old: Scene, _new: Scene) -> None:
-        self._ask()
-
     def _ask(self, *_ignored: object) -> None:
         if self.is_active and self.place is not None and not self._timer.isActive():
             self._timer.start()
 
     def _wanted(self) -> _Wanted | None:
-        scene, volume = self._store.scene, self._documents.volume
-        if (
-            self.place is None
-            or volume is None
-            or scene.layer is None
-            or not self._documents.is_ready_for(scene)
-        ):
+        scene, volume = self._documents.shown.scene, self._documents.volume
+        if self.place is None or volume is None or scene.layer is None:
             return None
         pane = self._views.active
         width, height = size = pane.viewport.pixel_size

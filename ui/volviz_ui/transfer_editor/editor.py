@@ -23,7 +23,9 @@ from volviz.model.own_presets import OwnPresets
 from volviz.model.presets import Preset, presets
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.transfer_function_2d import TransferFunction2D
+from volviz_ui.binding import show_value
 from volviz_ui.icons import set_icon
+from volviz_ui.loaded_scene import volume_of
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
 from volviz_ui.transfer_editor.counting import Counter
 from volviz_ui.transfer_editor.dimension_switch import DimensionSwitch
@@ -41,6 +43,7 @@ from volviz_ui.widgets.focus_order import set_focus_order
 if TYPE_CHECKING:
     from volviz.model.store import Store
     from volviz.model.volume import Volume
+    from volviz_ui.documents import Documents
 
 
 class TransferEditor(QWidget):
@@ -49,7 +52,9 @@ class TransferEditor(QWidget):
     Parameters
     ----------
     store : Store
-        Holds the scene; every edit goes there, a drag as one step of the history.
+        Every edit goes there, a drag as one step of the history.
+    documents : Documents
+        What is shown: the function and the volume that it colours.
     parent : QWidget, optional
         Owner.
     own_presets : OwnPresets, optional
@@ -64,12 +69,17 @@ class TransferEditor(QWidget):
     """Value under the pointer, None when it has left the plot."""
 
     def __init__(
-        self, store: Store, parent: QWidget | None = None, *, own_presets: OwnPresets | None = None
+        self,
+        store: Store,
+        documents: Documents,
+        parent: QWidget | None = None,
+        *,
+        own_presets: OwnPresets | None = None,
     ) -> None:
         super().__init__(parent)
         self.setAccessibleName(self.tr("Transfer-function editor"))
         self.own_presets = own_presets if own_presets is not None else OwnPresets()
-        self.model = EditorModel(store, self)
+        self.model = EditorModel(store, documents, self)
         self.counter = Counter(self)
         self._pending: Volume | None = None
         self.plot = TransferPlot(self.model, self.counter, self)
@@ -83,6 +93,7 @@ class TransferEditor(QWidget):
         self._connect()
         self.set_two_dimensional_available(False)
         self._on_function_changed()
+        show_value(documents, volume_of, self._show_volume)
 
     def sizeHint(self) -> QSize:
         """A wide, low dock."""
@@ -90,10 +101,9 @@ class TransferEditor(QWidget):
 
     # ------------------------------------------------------------------ for the window
 
-    def set_volume(self, volume: Volume | None) -> None:
-        """Show the histogram, range and unit of another volume; counted when the editor is first seen."""
+    def _show_volume(self, volume: Volume | None) -> None:
+        """Show presets and histograms of another volume; counted when the editor is first seen."""
         self.popup.set_volume(volume)
-        self.model.set_volume(volume)
         self.joint.set_volume(volume)
         if self._is_two_dimensional():
             self.joint.count()

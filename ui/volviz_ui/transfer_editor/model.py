@@ -9,13 +9,14 @@ from PySide6.QtCore import QObject, Signal
 from shiboken6 import isValid
 
 from volviz.model import transfer_edits as edits
-from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.transfer_lanes import Lane, merged, split
 
 if TYPE_CHECKING:
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
+    from volviz_ui.documents import Documents
+    from volviz_ui.loaded_scene import LoadedScene
 
 GESTURE = "transfer function"
 """Key of the gestures of the editor, of which one runs at a time."""
@@ -30,7 +31,9 @@ class EditorModel(QObject):
     Parameters
     ----------
     store : Store
-        Holds the scene.
+        Where edits go.
+    documents : Documents
+        Gives the function with the volume that it colours.
     parent : QObject
         Owner.
     """
@@ -39,10 +42,10 @@ class EditorModel(QObject):
     selection_changed = Signal()
     range_changed = Signal()
 
-    def __init__(self, store: Store, parent: QObject) -> None:
+    def __init__(self, store: Store, documents: Documents, parent: QObject) -> None:
         super().__init__(parent)
         self.store = store
-        self.volume: Volume | None = None
+        self.documents = documents
         self._selection: frozenset[int] = frozenset()
         self._stop: int | None = None
         self._selection_before: frozenset[int] = frozenset()
@@ -51,7 +54,7 @@ class EditorModel(QObject):
         self._shown: TransferFunction | None = None
         self._kept_lanes: tuple[TransferFunction, tuple[Lane, Lane]] | None = None
         self._read()
-        store.changed.connect(self._on_scene_changed)
+        documents.changed.connect(self._on_shown_changed)
 
     # ------------------------------------------------------------------ what there is
 
@@ -59,6 +62,11 @@ class EditorModel(QObject):
     def function(self) -> TransferFunction | None:
         """The function in data units; None when there is no layer."""
         return self._shown
+
+    @property
+    def volume(self) -> Volume | None:
+        """The volume that the function colours."""
+        return self.documents.volume
 
     @property
     def data_range(self) -> tuple[float, float]:
@@ -99,13 +107,6 @@ class EditorModel(QObject):
     def in_gesture(self) -> bool:
         """Whether a drag is going on."""
         return self.store.has_gesture(GESTURE)
-
-    def set_volume(self, volume: Volume | None) -> None:
-        """Take the range and unit of another volume."""
-        self.volume = volume
-        self._read()
-        self.range_changed.emit()
-        self.function_changed.emit()
 
     def select(self, indices: Iterable[int]) -> None:
         """Choose points, and no stop of the ramp."""
@@ -207,8 +208,8 @@ class EditorModel(QObject):
     # ------------------------------------------------------------------ the store
 
     def _write(self, function: TransferFunction, label: str, selection: Iterable[int] | None = None) -> None:
-        if self.store.scene.layer is None:
-            return
+        if self.store.scene.layer is None or not self.documents.is_current:
+            return  # another function is awaited together with its volume
         self._writing = True
         try:
             self.store.update(
@@ -229,8 +230,7 @@ class EditorModel(QObject):
             self.selection_changed.emit()
 
     def _read(self) -> bool:
-        layer = self.store.scene.layer
-        function = None if layer is None else layer.transfer_function
+        function = self.documents.shown.transfer_function
         if function is not None and function.domain == "relative":
             low, high = (0.0, 1.0) if self.volume is None else self.volume.range
             function = function.resolved((low, high) if low < high else (low, low + 1.0))
@@ -239,11 +239,14 @@ class EditorModel(QObject):
         self._shown = function
         return True
 
-    def _on_scene_changed(self, _old: Scene, _new: Scene) -> None:
+    def _on_shown_changed(self, old: LoadedScene, new: LoadedScene) -> None:
         if self._writing or not isValid(self):
             return
         before = self._shown
-        if not self._read():
+        is_other = self._read()
+        if old.volume is not new.volume:
+            self.range_changed.emit()
+        elif not is_other:
             return
         if self._shown is None or before is None or len(before.points) != len(self._shown.points):
             self._selection = frozenset()

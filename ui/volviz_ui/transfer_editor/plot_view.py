@@ -76,6 +76,7 @@ class PlotView(QWidget):
         model.selection_changed.connect(self._on_selection_changed)
         model.range_changed.connect(self._on_range_changed)
         counter.changed.connect(self._on_counted)
+        self._on_range_changed()
 
     def sizeHint(self) -> QSize:
         """Wide and low."""

@@ -14,10 +14,10 @@ from volviz.custom_gl.technique import drawn_function
 from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.light import default_position
-from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.volume import Volume
 from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.camera_moves import light_moved, light_turned
 from volviz_ui.views.pacer import Pacer
 from volviz_ui.views.viewport import Viewport, same_view
@@ -28,7 +28,7 @@ AddVolume = Callable[..., Any]
 class Display(QObject):
     """Keeps one viewport showing one view of the scene.
 
-    It is told of every change by `show_change` and `show_volume`, so that several displays hear of it in order.
+    It is told of every change by `show_change`.
 
     Parameters
     ----------
@@ -174,25 +174,31 @@ class Display(QObject):
 
     # ------------------------------------------------------------------ from the scene to the picture
 
-    def show_volume(self, volume: Volume | None) -> None:
-        """Show another volume as the scene says, or none."""
-        scene = self._store.scene
-        if volume is None or scene.layer is None:
-            self._remove()
-            self._viewport.render()
-            return
-        self._apply(lambda: self._show_volume(volume, scene))
+    def show_change(self, old: LoadedScene, new: LoadedScene) -> None:
+        """Show what has changed."""
+        if new.volume is None:
+            if self.handle is not None:
+                self._remove()
+                self._viewport.render()
+        elif new.volume is not old.volume:
+            self._apply(lambda: self._show_all(new))
+        elif self.handle is not None:
+            self._show_changes(old, new)
+        if new.volume is not None:
+            scene = new.scene
+            self._viewport.light_is_movable = "light" in current_technique(scene, self._view).handles
 
-    def _show_volume(self, volume: Volume, scene: Scene) -> None:
+    def _show_all(self, new: LoadedScene) -> None:
+        scene = new.scene
         values = {
             "technique": current_technique(scene, self._view).id,
-            "transfer_function": scene.layer.transfer_function if scene.layer else None,
+            "transfer_function": new.transfer_function,
             "settings": current_settings(scene, self._view),
             "light": scene.light,
             "clipping": scene.clipping,
         }
         if self.handle is None:
-            self.handle = self._add_volume(self._viewport, volume, pacer=self.pacer, **values)
+            self.handle = self._add_volume(self._viewport, new.volume, pacer=self.pacer, **values)
             self.handle.update(quality=self._quality)
             self.handle.share = self._share
             if self.is_interacting:
@@ -200,52 +206,46 @@ class Display(QObject):
             self.handle.on_status.append(self._status_arrived.emit)
             self._show_handles()
         else:
-            self.handle.update(volume=volume, **values)
-        self._frame_scene(volume, scene)
-
-    def _frame_scene(self, volume: Volume, scene: Scene) -> None:
+            self.handle.update(volume=new.volume, **values)
         camera = scene.view_at(self._view).camera
-        if camera is None and scene.layer is not None and self._view == 0:
-            function = drawn_function(
-                current_technique(scene), current_settings(scene), scene.layer.transfer_function
-            )
-            camera = default_camera(volume, self._viewport.pixel_size, transfer_function=function)
-            self._commit(camera)
-        if camera is not None:
+        if camera is None:
+            self._frame(new)
+        else:
             self._viewport.show_camera(camera)
-        self._viewport.light_is_movable = "light" in current_technique(scene, self._view).handles
 
-    def show_change(self, old: Scene, new: Scene) -> None:
-        """Show what has changed in the scene."""
-        if self.handle is None or not self._documents.is_ready_for(new):
-            return
-        if not self._documents.is_ready_for(old):
-            return  # the volume changes: `show_volume` shows all of it at once
+    def _show_changes(self, old: LoadedScene, new: LoadedScene) -> None:
         changes: dict[str, Any] = {}
-        before, after = old.view_at(self._view), new.view_at(self._view)
-        if before.technique != after.technique:
-            changes["technique"] = current_technique(new, self._view).id
-            changes["settings"] = current_settings(new, self._view)
-            self._viewport.light_is_movable = "light" in current_technique(new, self._view).handles
-        elif current_settings(old, self._view) != current_settings(new, self._view):
-            changes["technique"] = current_technique(new, self._view).id
-            changes["settings"] = current_settings(new, self._view)
-        if old.layer is not None and new.layer is not None:
-            function = new.layer.transfer_function
-            if old.layer.transfer_function is not function:
-                changes["transfer_function"] = function
-        if old.light != new.light:
-            changes["light"] = new.light
-        if old.clipping != new.clipping:
-            changes["clipping"] = new.clipping
-        camera = after.camera
+        before, after = old.scene, new.scene
+        technique, settings = current_technique(after, self._view), current_settings(after, self._view)
+        if (
+            technique is not current_technique(before, self._view)
+            or current_settings(before, self._view) != settings
+        ):
+            changes |= {"technique": technique.id, "settings": settings}
+        if old.transfer_function != new.transfer_function:
+            changes["transfer_function"] = new.transfer_function
+        if before.light != after.light:
+            changes["light"] = after.light
+        if before.clipping != after.clipping:
+            changes["clipping"] = after.clipping
+        camera = after.view_at(self._view).camera
         moving = any(viewport.is_moving for viewport in self._viewport.linked)
-        if camera is not None and camera != before.camera and not moving:
+        if camera is None:
+            self._frame(new)
+        elif not moving and (
+            camera != before.view_at(self._view).camera or not same_view(camera, self._viewport.view_camera)
+        ):
             self._viewport.show_camera(camera)
-        elif camera is None and self._documents.volume is not None:
-            self._frame_scene(self._documents.volume, new)
         if changes:
             self._apply(lambda: self.handle.update(**changes))
+
+    def _frame(self, shown: LoadedScene) -> None:
+        """Look at what there is to be seen; the first view does it for all."""
+        if self._view == 0:
+            info, settings = current_technique(shown.scene), current_settings(shown.scene)
+            function = drawn_function(info, settings, shown.transfer_function)
+            size = self._viewport.pixel_size
+            self.show_camera(default_camera(shown.volume, size, transfer_function=function))
 
     def _apply(self, change: Callable[[], Any]) -> None:
         try:
@@ -262,7 +262,13 @@ class Display(QObject):
         self._commit(camera)
 
     def _commit(self, camera: Camera) -> None:
-        self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
+        if self._documents.is_current:
+            self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
+
+    @property
+    def _movable(self) -> Volume | None:
+        """The volume that is shown; None while another one is awaited, whose scene nobody sees yet."""
+        return self._documents.volume if self._documents.is_current else None
 
     def _on_camera_committed(self, camera: Camera) -> None:
         known = self._store.scene.view_at(self._view).camera
@@ -271,7 +277,7 @@ class Display(QObject):
             self._commit(camera)
 
     def _on_light_dragged(self, dx: float, dy: float) -> None:
-        volume = self._documents.volume
+        volume = self._movable
         if volume is None:
             return
         camera, size = self._viewport.view_camera, (self._viewport.width(), self._viewport.height())
@@ -281,7 +287,7 @@ class Display(QObject):
         )
 
     def _on_light_wheeled(self, factor: float) -> None:
-        volume = self._documents.volume
+        volume = self._movable
         if volume is None:
             return
         radius = 0.5 * sum(length**2 for length in volume.extent) ** 0.5
@@ -291,6 +297,8 @@ class Display(QObject):
 
     def _on_handle_dragged(self, values: dict[str, Any]) -> None:
         scene = self._store.scene
+        if self._movable is None:
+            return
         if "light" in values:
             light = values["light"]
             self._store.update(
@@ -309,7 +317,7 @@ class Display(QObject):
             )
 
     def _move_light(self, move: Callable[[Any], Any], gesture: Hashable) -> None:
-        volume = self._documents.volume
+        volume = self._movable
         light = self._store.scene.light
         if volume is None:
             return

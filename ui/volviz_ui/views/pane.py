@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QWidget
 
 from volviz.model.store import Store
 from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.display import AddVolume, Display
 from volviz_ui.views.header import ViewHeader
 from volviz_ui.views.ray_mark import RayMark
@@ -80,6 +81,11 @@ class Pane(QObject):
         self.frame.setGeometry(seen)
         inner = picture.adjusted(border, border, -border, -border)
         self.viewport.setGeometry(QRect(inner.topLeft() - seen.topLeft() + QPoint(0, 0), inner.size()))
+
+    def show_change(self, old: LoadedScene, new: LoadedScene) -> None:
+        """Show what has changed."""
+        self.display.show_change(old, new)
+        self.scenery.show_change(old, new)
 
     def set_active(self, active: bool) -> None:
         """Show that panels and keys act on this view."""

@@ -10,6 +10,7 @@ import pyvista as pv
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.viewport import Viewport
 
 TOP, BOTTOM = "#3b4450", "#14171b"
@@ -46,26 +47,24 @@ class Scenery:
         getattr(self, f"_show_{name}")(on and (self._volume is not None or name == "marker"))
         self._viewport.render()
 
-    def set_background(self, color: tuple[float, float, float] | None) -> None:
-        """One colour, or the usual gradient."""
-        if color is None:
-            self._viewport.set_background(BOTTOM, top=TOP)
-        else:
-            self._viewport.set_background(color)
-
-    def set_volume(self, volume: Volume | None, function: TransferFunction | None) -> None:
-        """Stand around another volume."""
+    def show_change(self, old: LoadedScene, new: LoadedScene) -> None:
+        """Stand around another volume, in other colours, before another background."""
+        volume, function = new.volume, new.transfer_function
         self._volume, self._function = volume, function
-        for name in ("box", "axes", "bar"):
-            getattr(self, f"_show_{name}")(False)
-            if self._shown[name] and volume is not None:
-                getattr(self, f"_show_{name}")(True)
-
-    def set_function(self, function: TransferFunction | None) -> None:
-        """Give the colour bar other colours."""
-        self._function = function
-        if self._bar is not None and self._volume is not None and function is not None:
-            self._bar.SetLookupTable(_table(function, self._volume))
+        if volume is not old.volume:
+            for name in ("box", "axes", "bar"):
+                getattr(self, f"_show_{name}")(False)
+                if self._shown[name] and volume is not None:
+                    getattr(self, f"_show_{name}")(True)
+        elif function != old.transfer_function and self._bar is not None:
+            self._bar.SetLookupTable(_table(function, volume))
+        color = new.scene.background
+        if color != old.scene.background:
+            if color is None:
+                self._viewport.set_background(BOTTOM, top=TOP)
+            else:
+                self._viewport.set_background(color)
+            self._viewport.render()
 
     def show_values(self, colors: SurfaceColors | None, words: str = "") -> None:
         """Explain the colours of a surface by a bar, in the place of that of the transfer function.

@@ -12,12 +12,11 @@ from PySide6.QtWidgets import QWidget
 
 from volviz.errors import VolvizError
 from volviz.model.camera import Camera
-from volviz.model.scene import Color, Scene
+from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.transfer_function import TransferFunction
 from volviz.model.view_edits import with_active, with_comparison
-from volviz.model.volume import Volume
 from volviz_ui.documents import Documents
+from volviz_ui.loaded_scene import LoadedScene
 from volviz_ui.views.arrangement import Arrangement
 from volviz_ui.views.difference_picture import Bytes, over
 from volviz_ui.views.display import AddVolume
@@ -65,8 +64,6 @@ class ViewArea(QWidget):
         self._documents = documents
         self._add_volume = add_volume
         self._shown: dict[str, bool] = {}
-        self._volume: Volume | None = None
-        self._function: TransferFunction | None = None
         self._quality = "balanced"
         self._shows_handles = True
         self._ray_mark: tuple[float, float] | None = None
@@ -80,10 +77,9 @@ class ViewArea(QWidget):
         self._rest.setInterval(0)
         self._rest.timeout.connect(self._on_rest)
         self._add_pane()
-        documents.volume_changed.connect(self._on_volume_changed)
-        store.changed.connect(self._on_scene_changed)
+        documents.changed.connect(self._on_changed)
         store.interaction_changed.connect(self._on_interaction_changed)
-        self._sync(store.scene)
+        self._sync(documents.shown)
 
     # ------------------------------------------------------------------ what there is
 
@@ -95,7 +91,7 @@ class ViewArea(QWidget):
     @property
     def active(self) -> Pane:
         """The pane that panels and keys act on."""
-        return self.panes[min(self._store.scene.active_index, len(self.panes) - 1)]
+        return self.panes[min(self._documents.shown.scene.active_index, len(self.panes) - 1)]
 
     @property
     def shown_panes(self) -> list[Pane]:
@@ -117,8 +113,6 @@ class ViewArea(QWidget):
         display.shows_handles = self._shows_handles
         for name, on in self._shown.items():
             pane.scenery.show(name, on)
-        pane.scenery.set_background(self._store.scene.background)
-        pane.scenery.set_volume(self._volume, self._function)
         pane.ray_mark.show(self._ray_mark)
         viewport.camera_moved.connect(self._on_camera_moved)
         viewport.pressed.connect(lambda: self._on_pressed(pane))
@@ -139,9 +133,9 @@ class ViewArea(QWidget):
         viewport.frame_drawn.connect(self._rest.start)
         return pane
 
-    def _sync(self, scene: Scene) -> list[Pane]:
+    def _sync(self, shown: LoadedScene) -> list[Pane]:
         """As many panes as the scene has views; the new ones."""
-        count = len(scene.views)
+        count = len(shown.scene.views)
         while len(self.panes) > count:
             pane = self.panes.pop()
             # a drag that ends with its view must not leave the scene without its camera
@@ -151,20 +145,19 @@ class ViewArea(QWidget):
         new = [self._add_pane() for _ in range(count - len(self.panes))]
         self.place()
         for pane in new:
-            if self._documents.volume is not None and self._documents.is_ready_for(scene):
-                pane.display.show_volume(self._documents.volume)
-        self._show_active(scene)
+            pane.show_change(LoadedScene(), shown)
+        self._show_active(shown.scene)
         return new
 
     def _commit_camera(self, camera: Camera) -> None:
-        if not self._closed and self._documents.is_ready_for(self._store.scene):
+        if not self._closed and self._documents.is_current:
             self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
 
     # ------------------------------------------------------------------ where it lies
 
     def place(self) -> None:
         """Lay the views out."""
-        scene = self._store.scene
+        scene = self._documents.shown.scene
         self.arrangement.arrange(self.panes, scene.active_index, scene.comparison)
         self.laid_out.emit()
 
@@ -243,7 +236,7 @@ class ViewArea(QWidget):
             except VolvizError:
                 return None  # drawn at a lower resolution: drawing failed
             height, width = picture.shape[:2]
-            seen.append(over(picture, background_picture(self._store.scene.background, (width, height))))
+            seen.append(over(picture, background_picture(self._documents.shown.scene.background, (width, height))))
         return seen[0], seen[1]
 
     def show_figures(self, figures: Any) -> None:
@@ -267,19 +260,14 @@ class ViewArea(QWidget):
 
     # ------------------------------------------------------------------ from the scene to the pictures
 
-    def _on_volume_changed(self, volume: Volume | None) -> None:
-        new = self._sync(self._store.scene)
-        for pane in self.panes:
-            if pane not in new:
-                pane.display.show_volume(volume)
-
-    def _on_scene_changed(self, old: Scene, new: Scene) -> None:
+    def _on_changed(self, before: LoadedScene, after: LoadedScene) -> None:
+        old, new = before.scene, after.scene
         made: list[Pane] = []
         if len(new.views) != len(self.panes):
-            made = self._sync(new)
-        for pane in list(self.panes):
+            made = self._sync(after)
+        for pane in self.panes:
             if pane not in made:
-                pane.display.show_change(old, new)
+                pane.show_change(before, after)
         if old.active_index != new.active_index:
             self._show_active(new)
         if (old.active_index, old.comparison) != (new.active_index, new.comparison):
@@ -288,10 +276,6 @@ class ViewArea(QWidget):
             # nothing is drawn anew where both pictures are there already
             self._completed = [None, None]
             self._rest.start()
-        if old.background != new.background:
-            for pane in self.panes:
-                pane.scenery.set_background(new.background)
-                pane.viewport.render()
 
     # ------------------------------------------------------------------ what stands around
 
@@ -329,28 +313,11 @@ class ViewArea(QWidget):
         for pane in self.panes:
             pane.scenery.show(name, on)
 
-    def set_volume(self, volume: Volume | None, function: TransferFunction | None) -> None:
-        """Let box, axes and colour bar stand around another volume."""
-        self._volume, self._function = volume, function
-        for pane in self.panes:
-            pane.scenery.set_volume(volume, function)
-
-    def set_function(self, function: TransferFunction | None) -> None:
-        """Give the colour bars other colours."""
-        self._function = function
-        for pane in self.panes:
-            pane.scenery.set_function(function)
-
     def show_ray_mark(self, place: tuple[float, float] | None) -> None:
         """Mark the pixel of the ray inspector in all views; fractions from the lower left, None for none."""
         self._ray_mark = place
         for pane in self.panes:
             pane.ray_mark.show(place)
-
-    def set_background(self, color: Color | None) -> None:
-        """One colour behind the volume, or the usual gradient."""
-        for pane in self.panes:
-            pane.scenery.set_background(color)
 
     # ------------------------------------------------------------------ end
 
@@ -359,7 +326,7 @@ class ViewArea(QWidget):
         if self._closed:
             return
         self._closed = True
-        self._store.changed.disconnect(self._on_scene_changed, missing_ok=True)
+        self._documents.changed.disconnect(self._on_changed, missing_ok=True)
         self._store.interaction_changed.disconnect(self._on_interaction_changed, missing_ok=True)
         self._rest.stop()
         self.arrangement.close()

@@ -1,0 +1,44 @@
+"""A scene together with its volumes: what views and panels show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from volviz.model.scene import Scene
+from volviz.model.transfer_function import TransferFunction
+from volviz.model.volume import Volume
+from volviz.volume_data.references import VolumeKey
+
+
+@dataclass(frozen=True)
+class LoadedScene:
+    """A scene whose volumes are in memory.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is shown.
+    volumes : mapping from VolumeKey to Volume
+        What its layers show, as far as they are drawn: that of `scene.layer`.
+    """
+
+    scene: Scene = field(default_factory=Scene)
+    volumes: Mapping[VolumeKey, Volume] = field(default_factory=dict)
+
+    @property
+    def volume(self) -> Volume | None:
+        """The volume of the first image layer; None for a scene that shows nothing."""
+        layer = self.scene.layer
+        return None if layer is None else self.volumes[layer.key]
+
+    @property
+    def transfer_function(self) -> TransferFunction | None:
+        """The transfer function of the first image layer."""
+        layer = self.scene.layer
+        return None if layer is None else layer.transfer_function
+
+
+def volume_of(shown: LoadedScene) -> Volume | None:
+    """The volume that is shown; for `binding.show_value`."""
+    return shown.volume
