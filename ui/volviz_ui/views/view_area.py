@@ -236,7 +236,9 @@ class ViewArea(QWidget):
             except VolvizError:
                 return None  # drawn at a lower resolution: drawing failed
             height, width = picture.shape[:2]
-            seen.append(over(picture, background_picture(self._documents.shown.scene.background, (width, height))))
+            seen.append(
+                over(picture, background_picture(self._documents.shown.scene.background, (width, height)))
+            )
         return seen[0], seen[1]
 
     def show_figures(self, figures: Any) -> None:
