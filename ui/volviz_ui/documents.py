@@ -265,10 +265,8 @@ def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None) -> Opene
     auto_isovalue(volume)
     bricks_of(volume)
     if scene is not None and scene.layer is not None:
-        if scene.layer.transfer_function is None:
-            # the editor needs one: that of the layer's colour and window, or of the data
-            function = layer_function(replace(scene.layer, opacity=1.0), volume)
-            scene = scene.with_layer(transfer_function=function)
+        # the editor needs one function, in the place of colour and window, and with the opacity in it
+        scene = scene.with_layer(transfer_function=layer_function(scene.layer, volume), opacity=1.0)
         return Opened(key, volume, scene.layer.transfer_function, scene=scene)
     preset_id = suggested_preset(ref)
     if preset_id is None:
