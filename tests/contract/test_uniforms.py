@@ -72,12 +72,12 @@ def record() -> Record:
         create(self, context, vertex, fragment, label, **rest)
         found.linked(self, vertex, fragment)
 
-    def setting(self: Any, uniforms: Mapping[str, Any]) -> None:
+    def setting(self: Any, uniforms: Mapping[str, Any], layer: int = 0) -> None:
         if "u_clip_to_texture" in uniforms:
             found.shared |= set(uniforms)
         else:
             found.own[found.technique] |= set(uniforms)
-        assign(self, uniforms)
+        assign(self, uniforms, layer)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Program, "__init__", recorded)

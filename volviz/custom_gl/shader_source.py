@@ -77,6 +77,11 @@ def read_lines(path: Path) -> tuple[str, ...]:
     return _read(path, path.stat().st_mtime_ns)
 
 
+def layer_name(name: str, layer: int) -> str:
+    """What a sampler, uniform or function of a chunk is called in a layer."""
+    return f"{name}_{layer}" if layer else name
+
+
 def assemble(
     path: Path,
     defines: Mapping[str, object] | None = None,
@@ -173,7 +178,9 @@ class _Assembly:
     def _of_layer(self, line: str, layer: int) -> str:
         """A line with the layer's number after the names that belong to it; fields of structs have none."""
         names = self._names.get(layer, ())
-        return re.sub(r"(?<![.\w])[A-Za-z_]\w*", lambda m: f"{m[0]}_{layer}" if m[0] in names else m[0], line)
+        return re.sub(
+            r"(?<![.\w])[A-Za-z_]\w*", lambda m: layer_name(m[0], layer) if m[0] in names else m[0], line
+        )
 
     def _collect_names(self, path: Path, layer: int, seen: set[Path]) -> None:
         """Learn which names a file, and those of the same layer that it includes, declare outside of functions."""
@@ -195,7 +202,7 @@ class _Assembly:
         """The file that an include means."""
         hook = match[2]
         if hook is not None:
-            chosen = self._hooks.get(f"{hook}_{match[3] or layer}", self._hooks.get(hook))
+            chosen = self._hooks.get(layer_name(hook, int(match[3] or layer)), self._hooks.get(hook))
             if chosen is None:
                 raise ShaderError(
                     f"{path.name}, line {line}: nothing was chosen for the hook <{hook}>.",

@@ -7,10 +7,20 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from volviz.errors import InputError, LoadError
 from volviz.io.axes import are_colours
-from volviz.model.volume import Volume, check_dimensions, checked_direction, checked_spacing
-from volviz.volume_data.description import Channel, Description, Level, Statistics
+from volviz.io.resampling import Rectangular
+from volviz.model.volume import (
+    SHEAR_LIMIT,
+    Volume,
+    check_dimensions,
+    checked_direction,
+    checked_spacing,
+    shear_of,
+)
+from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
 from volviz.volume_data.references import content_id
 from volviz.volume_data.source import ReadRequest, VolumeSource
 
@@ -73,6 +83,19 @@ def told_in_a_sentence(job: Job) -> Iterator[None]:
         raise job.error(f"the system cannot read it ({reason}); check disk and path.") from None
 
 
+def _resampled(values: Values, upright: Rectangular) -> Values:
+    """The values of a sheared lattice on a rectangular one."""
+
+    def read(job: Job) -> npt.NDArray[Any]:
+        array = upright.resampled(values(replace(job, box=None)))
+        if job.box is None:
+            return array
+        i0, i1, j0, j1, k0, k1 = job.box
+        return np.ascontiguousarray(array[k0:k1, j0:j1, i0:i1])
+
+    return read
+
+
 def file_source(
     job: Job,
     values: Values,
@@ -88,6 +111,7 @@ def file_source(
     times: Sequence[float] | None = None,
     is_labels: bool = False,
     statistics: Statistics | None = None,
+    labels: Sequence[Label] = (),
     unit: str = "",
     length_unit: str = "",
     **metadata: Any,
@@ -105,7 +129,7 @@ def file_source(
         Of the finest level, as the file says it.
     dtype, colour
         Decide whether components are colours (see `to_zyx`).
-    channels, times, is_labels, statistics, unit, length_unit
+    channels, times, is_labels, labels, statistics, unit, length_unit
         As in `Description`; what does not fit the axes is left out.
 
     Raises
@@ -120,6 +144,14 @@ def file_source(
     if letter == "S" and are_colours(axes, tuple(shape), dtype, colour):
         channels = _COLOURS[:count]
     dimensions = sizes["X"], sizes["Y"], sizes.get("Z", 1)
+    shear = shear_of(np.asarray(geometry.direction, np.float64).reshape(3, 3))
+    if shear > SHEAR_LIMIT and min(dimensions) > 1:
+        upright = Rectangular.around(dimensions, geometry)
+        dimensions, geometry, values = upright.dimensions, upright.geometry, _resampled(values, upright)
+        job.note(
+            f"The axes of the file are sheared by {shear:.1f} degrees (a tilted gantry, say); "
+            "it is resampled onto a rectangular lattice."
+        )
     called = hints.name or name
     try:
         check_dimensions(dimensions, called)
@@ -136,6 +168,7 @@ def file_source(
         times=tuple(times) if times is not None and len(times) == time_count else None,
         channels=tuple(channels) if len(channels) == (count or 1) else (),
         is_labels=is_labels,
+        labels=tuple(labels),
         name=called,
         unit=unit if hints.unit is None else hints.unit,
         length_unit=length_unit,

@@ -164,7 +164,7 @@ class Volume:
     @property
     def shear(self) -> float:
         """Largest deviation of two of the axes from a right angle, in degrees; 0 for nearly all volumes."""
-        return _shear(self.direction)
+        return shear_of(self.direction)
 
     @property
     def extent(self) -> tuple[float, float, float]:
@@ -242,7 +242,7 @@ def checked_direction(direction: npt.ArrayLike | None, name: str) -> npt.NDArray
     lengths = np.linalg.norm(matrix, axis=0)
     if not np.allclose(lengths, 1.0, atol=UNIT_TOLERANCE):
         raise InputError(f"{name}: direction needs columns of unit length, theirs are {lengths.round(6)}.")
-    shear = _shear(matrix)
+    shear = shear_of(matrix)
     if shear > SHEAR_LIMIT:
         raise InputError(
             f"{name}: the axes of the volume are sheared by {shear:.1f} degrees (a tilted gantry, say), "
@@ -252,7 +252,7 @@ def checked_direction(direction: npt.ArrayLike | None, name: str) -> npt.NDArray
     return matrix
 
 
-def _shear(matrix: npt.NDArray[np.float64]) -> float:
+def shear_of(matrix: npt.NDArray[np.float64]) -> float:
     """Largest deviation of two columns of unit length from a right angle, in degrees."""
     products = matrix.T @ matrix - np.diag(np.sum(matrix * matrix, axis=0))
     return float(np.degrees(np.arcsin(min(1.0, np.abs(products).max()))))

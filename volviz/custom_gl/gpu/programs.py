@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from volviz.custom_gl.carried_uniforms import carry
-from volviz.custom_gl.shader_source import ShaderText, assemble
+from volviz.custom_gl.shader_source import ShaderText, assemble, layer_name
 from volviz.errors import ShaderError
 
 #: Texture unit of every shared sampler; samplers of different types never meet on one unit.
@@ -71,14 +71,14 @@ class Program:
         self._user = weakref.ref(user)
         return True
 
-    def set(self, uniforms: Mapping[str, Any]) -> None:
-        """Set the uniforms that the program has; the others are left out.
+    def set(self, uniforms: Mapping[str, Any], layer: int = 0) -> None:
+        """Set the uniforms that the program has, those of a layer by their plain names; the others are left out.
 
         Matrices are given as (4, 4) or (3, 3) arrays in row-major order and transposed here.
         """
         members = self._members
         for name, value in uniforms.items():
-            member = members.get(name)
+            member = members.get(layer_name(name, layer))
             if member is None:
                 continue
             if isinstance(value, np.ndarray):
@@ -87,9 +87,9 @@ class Program:
             else:
                 member.value = value
 
-    def use_texture(self, name: str, texture: Any) -> None:
+    def use_texture(self, name: str, texture: Any, layer: int = 0) -> None:
         """Bind a texture to the unit of a sampler, when the program has it."""
-        unit = self.units.get(name)
+        unit = self.units.get(layer_name(name, layer))
         if unit is not None:
             texture.use(unit)
 

@@ -23,6 +23,7 @@ from volviz.custom_gl.gpu.scalars import (
     texels_of,
 )
 from volviz.custom_gl.gpu.tables import Table, baked, plane_ranges, table_entries
+from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.brick_gradients import occupancy_by_gradient, visible_plane_sums
 from volviz.kernels.bricks import (
@@ -328,20 +329,38 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ binding
 
-    def bind(self, program: Program, frame: SampledFrame, table_length: float | None = None) -> None:
-        """Bind every texture that the program asks for; opacities of the table are for that length (see `table`)."""
-        units = program.units
-        program.use_texture("t_scalars", self.scalars)
-        if "t_table" in units:
+    def bind(
+        self, program: Program, frame: SampledFrame, table_length: float | None = None, layer: int = 0
+    ) -> None:
+        """Bind every texture that the program asks for.
+
+        Parameters
+        ----------
+        program : Program
+            Whose samplers are meant.
+        frame : SampledFrame
+            What is drawn.
+        table_length : float, optional
+            Length of ray to which opacities of the table belong (see `table`).
+        layer : int, default: 0
+            In which this volume stands in the program (see `volviz.custom_gl.shader_source`).
+        """
+
+        def asked(name: str) -> bool:
+            return layer_name(name, layer) in program.units
+
+        program.use_texture("t_scalars", self.scalars, layer)
+        if asked("t_table"):
             table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
-            program.use_texture("t_table", table)
-        if "t_scene_depth" in units:
-            frame.scene_depth.use(units["t_scene_depth"])
-        if "t_preintegrated" in units:
+            program.use_texture("t_table", table, layer)
+        if "t_scene_depth" in program.units:
+            program.use_texture("t_scene_depth", frame.scene_depth)
+        if asked("t_preintegrated"):
             size = PREINTEGRATED_SIZE_INTERACTIVE if frame.interactive else PREINTEGRATED_SIZE
             program.use_texture(
                 "t_preintegrated",
                 self.preintegrated(frame.transfer_function, size, frame.common.density_threshold),
+                layer,
             )
             program.set(
                 {
@@ -349,10 +368,11 @@ class VolumeResources:
                     "u_preintegrated_range": self._lookup(
                         self._preintegration_range(frame.transfer_function)
                     ),
-                }
+                },
+                layer,
             )
-        if "t_distance" in units:
-            program.use_texture("t_distance", self.visible_distance(frame))
+        if asked("t_distance"):
+            program.use_texture("t_distance", self.visible_distance(frame), layer)
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""

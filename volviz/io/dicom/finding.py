@@ -1,0 +1,117 @@
+"""DICOM files among others: by their first bytes, or by the list that a DICOMDIR holds."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+#: A folder is given up after so many files of other kinds when none of them was DICOM: a home folder must not
+#: take minutes.
+FILES_TO_TRY = 20_000
+FILES_AT_MOST = 200_000
+FOLDERS_DEEP = 16
+DIRECTORY_NAME = "DICOMDIR"
+
+
+def sniff(head: bytes, path: Path) -> bool:
+    """Whether this is a DICOM file, or a folder in which DICOM files lie."""
+    if path.is_dir():
+        return next(files_below(path), None) is not None
+    return looks_like_dicom(head)
+
+
+def looks_like_dicom(head: bytes) -> bool:
+    """Whether these first bytes belong to a DICOM file, with or without its preamble.
+
+    Without a preamble the file begins with its first element: a tag of group 0002 or 0008 and, in the explicit form,
+    two letters that name a value representation, or a length that is not absurd for such an element.
+    """
+    if head[128:132] == b"DICM":
+        return True
+    if len(head) < 12 or head[:2] not in (b"\x02\x00", b"\x08\x00"):
+        return False
+    if head[2:4] not in (b"\x00\x00", b"\x01\x00", b"\x05\x00", b"\x08\x00", b"\x16\x00", b"\x18\x00"):
+        return False
+    if head[4:6] in (b"UL", b"CS", b"UI", b"OB"):
+        return True
+    length = int.from_bytes(head[4:8], "little")
+    following = 8 + length
+    # a second element of a header must follow, so that the numbers of a raw file do not pass
+    if not 0 < length <= 256 or following + 4 > len(head):
+        return False
+    first, second = (_tag(head[at : at + 4]) for at in (0, following))
+    return first < second <= (0x0028, 0xFFFF) and second[0] % 2 == 0
+
+
+def _tag(four: bytes) -> tuple[int, int]:
+    return int.from_bytes(four[:2], "little"), int.from_bytes(four[2:], "little")
+
+
+def files_below(folder: Path, at_most: int = FILES_AT_MOST) -> Iterator[Path]:
+    """DICOM files of a folder: those that its DICOMDIR lists, else all below it that look like DICOM.
+
+    Folders come in order, links are not followed in circles. Gives up after `FILES_TO_TRY` files when none of
+    them was DICOM.
+    """
+    directory = next((p for p in folder.iterdir() if p.name.upper() == DIRECTORY_NAME and p.is_file()), None)
+    listed = files_of_directory(directory) if directory is not None else []
+    if listed:
+        yield from listed[:at_most]
+        return
+    tried = found = 0
+    base = len(folder.parts)
+    for place, folders, names in os.walk(folder):
+        here = Path(place)
+        folders[:] = sorted(folders) if len(here.parts) - base < FOLDERS_DEEP else []
+        for name in sorted(names):
+            if found >= at_most or (not found and tried >= FILES_TO_TRY):
+                return
+            path = here / name
+            if name.startswith(".") or name.upper() == DIRECTORY_NAME or not path.is_file():
+                continue
+            tried += 1
+            try:
+                with path.open("rb") as stream:
+                    head = stream.read(512)
+            except OSError:
+                continue
+            if looks_like_dicom(head):
+                found += 1
+                yield path
+
+
+def files_of_directory(directory: Path) -> list[Path]:
+    """Image files that a DICOMDIR lists and that are there (DICOM PS3.3, F.3); empty when it lists none.
+
+    Names are compared without regard to case, since discs are written in capitals and often copied in small letters.
+    """
+    import pydicom
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            records = pydicom.dcmread(directory).get("DirectoryRecordSequence", ())
+            names = [record.get("ReferencedFileID") for record in records]
+        except Exception:  # noqa: BLE001 - what a damaged directory raises inside the library has no end
+            return []
+    found = []
+    for name in names:
+        if not name:
+            continue
+        path: Path | None = directory.parent
+        for part in [name] if isinstance(name, str) else name:
+            path = _member(path, str(part)) if path is not None else None
+        if path is not None and path.is_file():
+            found.append(path)
+    return found
+
+
+def _member(folder: Path, name: str) -> Path | None:
+    exact = folder / name
+    if exact.exists():
+        return exact
+    if not folder.is_dir():
+        return None
+    return next((p for p in folder.iterdir() if p.name.upper() == name.upper()), None)
