@@ -24,7 +24,7 @@ import numpy as np
 from volviz import Volume
 from volviz.compare.vtk_contours import run_vtk_contour, vtk_image
 from volviz.kernels.marching import marching_cubes
-from volviz.mesh import extract_isosurface
+from volviz.meshes.polydata import extract_isosurface
 
 ISOVALUE = 60.5
 

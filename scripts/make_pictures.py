@@ -272,19 +272,20 @@ def draw_comparison() -> None:
     from volviz.compare.pictures import difference_image
     from volviz.compare.plots import convergence_plot
     from volviz.compare.run import Side, compare
-    from volviz.compare.stage import View
+    from volviz.model.render_spec import RenderSpec, View
 
     volume, size = volviz.load("sample:mri-head"), (300, 240)
     function = preset_for("mri", volume)
     camera = default_camera(volume, size, transfer_function=function)
-    view = View(volume, function, camera, size, background=BACKGROUND)
-    found = compare(view, [Side("raycast"), Side("vtk_gpu")], frames=0)
+    spec = RenderSpec((volviz.ImageLayer(volume, function),))
+    view = View(camera, size, BACKGROUND)
+    found = compare(spec, view, [Side("raycast"), Side("vtk_gpu")], frames=0)
     pictures = [side.picture for side in found.sides]
     pictures.append(difference_image(*pictures).picture)
     save(side_by_side([Image.fromarray(one) for one in pictures], 3), "comparison")
     results = []
     for technique in ("raycast", "slicing", "vtk_gpu", "half_angle", "vtk_shadows"):
-        run = ConvergenceRun(view, technique, technique)
+        run = ConvergenceRun(spec, view, technique, technique)
         for _ in run.steps():
             pass
         assert run.result is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,8 +54,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if layer := layer_of(item.path):
             item.add_marker(getattr(pytest.mark, layer))
     # Later plugins and -m may still deselect; running the plain layers first makes simple mistakes show
-    # first.
-    items.sort(key=lambda item: LAYERS.index(layer_of(item.path) or "unit"))
+    # first. Within a layer the files with the most tests come first, so that two processes end together.
+    tests = Counter(item.path for item in items)
+    items.sort(
+        key=lambda item: (LAYERS.index(layer_of(item.path) or "unit"), -tests[item.path], str(item.path))
+    )
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
@@ -80,10 +84,13 @@ def nothing_is_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
 
     A failed test is not searched: its traceback keeps its local variables alive.
     """
+    if request.node.get_closest_marker("leaks_allowed"):
+        yield
+        return
     layer = layer_of(request.path)
     watch = Watch(objects=layer not in {None, "unit"})
     yield
-    if request.node.stash.get(FAILED, False) or request.node.get_closest_marker("leaks_allowed"):
+    if request.node.stash.get(FAILED, False):
         return
     if leaks := watch.leaks():
         pytest.fail("The test left behind:\n  " + "\n  ".join(leaks), pytrace=False)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from volviz.io import load as load
     from volviz.io import open as open  # noqa: A004 - as in tifffile, PIL
     from volviz.kernels.marching import marching_cubes as marching_cubes
-    from volviz.mesh import extract_isosurface as extract_isosurface
+    from volviz.meshes.polydata import extract_isosurface as extract_isosurface
     from volviz.model.camera import Camera as Camera
     from volviz.model.clipping import Clipping as Clipping
     from volviz.model.layers import ImageLayer as ImageLayer
@@ -44,7 +44,7 @@ _PUBLIC = {
     "VolumeHandle": "volviz.custom_gl.host",
     "VolvizError": "volviz.errors",
     "add_volume": "volviz.custom_gl.host",
-    "extract_isosurface": "volviz.mesh",
+    "extract_isosurface": "volviz.meshes.polydata",
     "load": "volviz.io",
     "open": "volviz.io",
     "marching_cubes": "volviz.kernels.marching",

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.registry import technique as technique_info
-from volviz.custom_gl.settings import SamplingSettings
-from volviz.custom_gl.technique import drawn_function
+from volviz.custom_gl.resolve import ResolvedSpec, Volumes, resolve
+from volviz.custom_gl.settings import CommonSettings
+from volviz.errors import InputError
 from volviz.kernels.preintegration import extinction_sums
 from volviz.kernels.reference_profile import (
     SCALAR_MODES,
@@ -27,14 +27,10 @@ from volviz.kernels.reference_profile import (
     slice_pieces,
 )
 from volviz.kernels.reference_sampling import Shading
-from volviz.kernels.slices import crop_corners
-from volviz.model.clipping import Clipping
-from volviz.model.light import Light, default_position
-from volviz.model.render_spec import DEFAULT_TECHNIQUE
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.transfer_function import table_size
 
 if TYPE_CHECKING:
-    from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.transfer_function import TransferFunction
     from volviz.model.volume import Volume
 
@@ -103,131 +99,107 @@ class RayInspection:
 
 
 def inspect_ray(
-    volume: Volume,
-    technique: str,
-    settings: Any,
-    transfer_function: TransferFunction,
-    *,
-    view: npt.ArrayLike,
-    projection: npt.ArrayLike,
-    size: tuple[int, int],
+    spec: RenderSpec,
+    view: View,
     pixel: tuple[int, int],
-    light: Light | None = None,
-    clipping: Clipping | None = None,
+    volumes: Volumes | None = None,
+    *,
     depth: float | None = None,
 ) -> RayInspection:
     """Follow the ray through the middle of a pixel, in float64.
 
     Parameters
     ----------
-    volume : Volume
-        The data.
-    technique : str
-        Id of the technique that draws.
-    settings : object
-        Its settings.
-    transfer_function : TransferFunction
-        The function that is drawn.
-    view, projection : array_like of shape (4, 4)
-        World to eye and eye to clip space, OpenGL conventions.
-    size : tuple of 2 ints
-        Width and height of the picture.
+    spec : RenderSpec
+        What is drawn; the colours of a surface play no part.
+    view : View
+        From where; `clipping_range` is that of the window for a ray in a window.
     pixel : tuple of 2 ints
         Column and row, (0, 0) at the upper left.
-    light, clipping
-        Those of the scene.
+    volumes : mapping of VolumeKey to Volume, optional
+        What has been read of the references in the layers.
     depth : float, optional
         Window depth 0..1 of opaque geometry in that pixel.
 
     Raises
     ------
     InputError
-        There is no such technique, or the crop box leaves nothing.
+        There is no such technique, the view has no camera, or the crop box leaves nothing.
     """
-    light, clipping = light or Light(), clipping or Clipping()
-    info = technique_info(technique)
-    function = drawn_function(info, settings, transfer_function.resolved(volume.range))
-    sampling = settings if isinstance(settings, SamplingSettings) else _as_ray_casting(info, settings)
-    crop = clipping.crop_within(volume.dimensions)
-    matrix = volume.index_to_world
+    shown = resolve(replace(spec, surface_colors=None), volumes)
+    if view.camera is None:
+        raise InputError(
+            "a ray starts from a camera: give the view one, such as volviz.framing.default_camera."
+        )
+    volume, info, size = shown.volume, shown.info, view.size
+    # what other techniques have in common with ray casting; their modes mean something else
+    common = shown.common if info.samples_rays else replace(shown.common, mode="composite")
+    near_and_far = view.clipping_range or view.camera.clipping_range(volume.corners)
+    matrix, projection = view.camera.matrices(size[0] / size[1], near_and_far)
     span = ray_span(
-        volume.array.shape, matrix, view=view, projection=projection, size=size, pixel=pixel,
-        crop=crop if clipping.crop is not None else None, clip_planes=clipping.planes, depth=depth,
+        volume.array.shape, volume.index_to_world, view=matrix, projection=projection, size=size, pixel=pixel,
+        crop=None if shown.clipping.crop is None else shown.crop, clip_planes=shown.clipping.planes, depth=depth,
     )  # fmt: skip
-    optics = _optics(volume, sampling, function, light, slices=info.view_slices is not None)
-    low, high = volume.range
-    nearest = sampling.interpolation == "nearest"
+    optics = _optics(shown, common)
     lattice = Lattice(
-        volume.array, matrix, low, high, nearest, float(getattr(sampling, "gradient_delta", 1.0))
-    )
-    jitter = pixel_noise(pixel, size) if sampling.jitter else None
+        volume.array, volume.index_to_world, *volume.range, common.interpolation == "nearest",
+        common.gradient_delta,
+    )  # fmt: skip
+    jitter = pixel_noise(pixel, size) if common.jitter else None
+    step = common.step * min(volume.spacing)
     if info.view_slices is not None:
-        normal = -np.asarray(view, np.float64)[2, :3]
-        normal /= np.linalg.norm(normal)
-        corners = crop_corners(matrix, crop, volume.dimensions)
-        low, high, count = info.view_slices(settings, corners, normal, sampling.step * min(volume.spacing))
-        pieces = slice_pieces(span, normal, (low, high), count, sampling.first_sample, jitter=jitter)
+        normal = np.asarray(view.camera.direction)
+        low, high, count = info.view_slices(shown.settings, shown.box_corners, normal, step)
+        pieces = slice_pieces(span, normal, (low, high), count, common.first_sample, jitter=jitter)
     else:
-        first = 0.5 if optics.extinction is not None else sampling.first_sample
-        pieces = ray_pieces(span, sampling.step * min(volume.spacing), first, jitter=jitter)
-    display = getattr(settings, "display", "image")
+        first = 0.5 if optics.extinction is not None else common.first_sample
+        pieces = ray_pieces(span, step, first, jitter=jitter)
     return RayInspection(
         pixel,
         span,
         ray_profile(lattice, span, pieces, optics),
         exact=info.samples_rays,
-        technique=technique,
+        technique=info.id,
         mode=optics.mode,
         acts_on_scalar=optics.mode in SCALAR_MODES,
         jittered=jitter is not None,
         preintegrated=optics.extinction is not None,
-        shows_machinery=display not in ("image", "both"),
-        reduced=bool(getattr(settings, "mipmaps", False)),
-        crossings=_crossings(volume, lattice, span, info.isovalues(settings, volume)),
+        shows_machinery=common.display not in ("image", "both"),
+        reduced=common.mipmaps,
+        crossings=_crossings(volume, lattice, span, shown.isovalues),
     )
 
 
-def _as_ray_casting(info: TechniqueInfo, settings: Any) -> Any:
-    """Ray casting with the settings that another technique has in common with it, its mode only if that is the same."""
-    casting = technique_info(DEFAULT_TECHNIQUE)
-    names = [p.name for p in casting.parameters if hasattr(settings, p.name)]
-    same = {name: getattr(settings, name) for name in names if info.samples_rays or name != "mode"}
-    return casting.settings(**same)
-
-
-def _optics(
-    volume: Volume, settings: Any, function: TransferFunction, light: Light, *, slices: bool
-) -> Optics:
+def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
+    volume, function = shown.volume, shown.drawn_function
     low, high = volume.range
     integer = volume.array.dtype.kind in "iu"
     shading = None
-    if settings.shading:
-        place = None if light.headlight else light.position or default_position(volume.bounds)
+    if common.shading:
         shading = Shading(
-            settings.ambient, settings.diffuse, settings.specular, settings.shininess, place, light.color,
-            settings.gradient_delta,
+            common.ambient, common.diffuse, common.specular, common.shininess,
+            None if shown.light.headlight else shown.light_position, shown.light.color, common.gradient_delta,
         )  # fmt: skip
     extinction, extinction_range = None, (low, high)
     regions = function.by_gradient is not None
-    if settings.mode == "composite" and getattr(settings, "preintegrated", False) and not regions:
+    if common.mode == "composite" and common.preintegrated and not regions:
         first, last = function.table_range(volume.range)
         # as the tables on the GPU: over the whole range, unless outliers would leave it too few entries
         extinction_range = (first, last) if high - low > 8 * (last - first) else (low, high)
         table = function.bake(extinction_range, table_size(extinction_range, integer)).astype(np.float64)
-        if settings.density_threshold > 0:
+        if common.density_threshold > 0:
             values = np.linspace(*extinction_range, len(table))
-            table[values < low + settings.density_threshold * (high - low), 3] = 0.0
+            table[values < low + common.density_threshold * (high - low), 3] = 0.0
         extinction = extinction_sums(table)
-    unit = settings.opacity_unit_distance
     return Optics(
         classify=_by_gradient(function) if regions else _by_value(volume, function, integer),
         uses_gradient=regions,
-        mode=settings.mode,
-        unit_distance=volume.mean_spacing if unit is None else float(unit),
-        early_termination=1.0 if slices else settings.early_termination,
-        attenuation=settings.attenuation,
-        density_threshold=settings.density_threshold,
-        gradient_opacity=settings.gradient_opacity,
+        mode=common.mode,
+        unit_distance=shown.unit_distance,
+        early_termination=common.early_termination if shown.info.view_slices is None else 1.0,
+        attenuation=common.attenuation,
+        density_threshold=common.density_threshold,
+        gradient_opacity=common.gradient_opacity,
         gradient_reference=0.25 * (high - low) / volume.mean_spacing,
         shading=shading,
         extinction=extinction,

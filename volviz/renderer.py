@@ -23,7 +23,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec, View
-from volviz.model.surface_values import DistanceColoring, SurfaceColors
+from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
 from volviz.offscreen import (
@@ -119,7 +119,6 @@ class Renderer:
         self._plotter: Any = None
         self._handle: VolumeHandle | None = None
         self._gpu: WindowGpu | None = None
-        self._distances: tuple[RenderSpec, SurfaceColors] | None = None
         self._closed = False
 
     # ------------------------------------------------------------------ pictures
@@ -153,7 +152,7 @@ class Renderer:
         light: Light | None = None,
         clipping: Clipping | None = None,
         classic: bool = False,
-        surface_colors: SurfaceColors | DistanceColoring | None = None,
+        surface_colors: SurfaceColors | None = None,
         progress: Callable[[float], None] | None = None,
         cancel: Callable[[], bool] | None = None,
         **values: Any,
@@ -177,9 +176,8 @@ class Renderer:
             Values 0..255, or 0..1 without rounding.
         settings, light, clipping, classic, **values
             As for `volviz.add_volume`.
-        surface_colors : SurfaceColors or DistanceColoring, optional
-            Values that the surface is coloured by, for techniques that draw triangles; distances to another surface
-            are measured first.
+        surface_colors : SurfaceColors, optional
+            Values that the surface is coloured by, for techniques that draw triangles.
         progress, cancel
             As for `draw`.
 
@@ -313,11 +311,11 @@ class Renderer:
         gpu_seconds : float or None
             Time by OpenGL's own clock (`GL_TIME_ELAPSED`).
         """
-        spec, view = self._prepared(spec, view, volumes)
+        view = self._framed(spec, view, volumes)
         window = self._window_of(view.size)
         asks = on_gpu_clock if on_gpu_clock is not None else not self.is_software
-        query = self._window_gpu().gpu.gl.query(time=True) if asks else None
         window.MakeCurrent()
+        query = self._window_gpu().gpu.gl.query(time=True) if asks else None
         begin = time.perf_counter()
         with query or nullcontext():
             self._frame(spec, view, volumes)
@@ -371,25 +369,15 @@ class Renderer:
         if self._closed:
             raise RenderError("the renderer is closed and draws nothing any more; make a new one.")
 
-    def _prepared(self, spec: RenderSpec, view: View, volumes: Volumes | None) -> tuple[RenderSpec, View]:
-        """Spec and view with the choices made that are the renderer's own: distances of surfaces, the camera."""
+    def _framed(self, spec: RenderSpec, view: View, volumes: Volumes | None) -> View:
+        """The view with a camera, where it leaves that open."""
         self._check_open()
         checked_size(view.size)
-        if isinstance(spec.surface_colors, DistanceColoring):
-            spec = self._with_distances(spec, volumes)
         if view.camera is None:
             shown = resolve(spec, volumes)
             camera = default_camera(shown.volume, view.size, transfer_function=shown.drawn_function)
             view = replace(view, camera=camera)
-        return spec, view
-
-    def _with_distances(self, spec: RenderSpec, volumes: Volumes | None) -> RenderSpec:
-        """The spec with the colours that it wishes for its surface."""
-        from volviz.compare.distance_colors import colors_of
-
-        if self._distances is None or self._distances[0] != spec:
-            self._distances = spec, colors_of(spec, volumes)
-        return replace(spec, surface_colors=self._distances[1])
+        return view
 
     def _limit(self) -> int:
         """Largest edge of a tile in pixels."""
@@ -422,7 +410,7 @@ class Renderer:
         self, spec: RenderSpec, view: View, volumes: Volumes | None, edge: int, seconds: float | None
     ) -> Iterator[tuple[float, Part | None]]:
         """The picture tile by tile, at once or in turns of so many seconds; as from `turns`."""
-        spec, view = self._prepared(spec, view, volumes)
+        view = self._framed(spec, view, volumes)
         width, height = (min(edge, n) for n in view.size)
         tiles = tiles_of(view.size, (width, height))
         for done, tile in enumerate(tiles):

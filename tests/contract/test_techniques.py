@@ -14,6 +14,7 @@ import pytest
 
 import volviz
 import volviz.custom_gl.techniques as package
+from tests.leaks import Watch
 from tests.render.scenes import camera, function, volume
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.registry import techniques
@@ -21,8 +22,10 @@ from volviz.custom_gl.settings import SharedSettings
 from volviz.model.parameters import Cost, Parameter, make_settings, parameters_of
 from volviz.offscreen import apply_camera
 
-#: High enough for several tiles, which are 64 pixels high.
-SIZE = (104, 136)
+#: High enough for two tiles, which are 64 pixels high.
+SIZE = (72, 88)
+#: Enough where it counts what is compiled and uploaded: nobody looks at the picture.
+TINY = (24, 24)
 FOLDER = Path(package.__path__[0])
 #: Those that read our textures of the volume; VTK's own mappers upload theirs past us.
 TEXTURED = [key for key, info in techniques().items() if info.uses_textures]
@@ -40,9 +43,15 @@ class Stage:
         self.handle = volviz.add_volume(
             window, self.volume, technique, transfer_function=function(self.volume)
         )
-        apply_camera(window.camera, camera(self.volume))
-        window.reset_camera_clipping_range()
+        self.look()
         window.show(auto_close=False, interactive=False)
+
+    def look(self) -> None:
+        """Look from where every test begins, at the whole volume."""
+        self.window.camera.SetParallelProjection(False)
+        apply_camera(self.window.camera, camera(self.volume))
+        self.window.reset_camera_clipping_range()
+        self.handle.update(crop=None, clip_planes=())
 
     def picture(self, **values: Any) -> Any:
         """The picture with these values and defaults otherwise."""
@@ -54,9 +63,9 @@ class Stage:
 
 
 @contextmanager
-def stage(technique: str, dtype: Any = np.float32) -> Iterator[Stage]:
+def stage(technique: str, dtype: Any = np.float32, size: tuple[int, int] = SIZE) -> Iterator[Stage]:
     """A stage that is taken down at the end."""
-    window = pyvista.Plotter(off_screen=True, window_size=SIZE)
+    window = pyvista.Plotter(off_screen=True, window_size=size)
     window.render_window.SetMultiSamples(0)
     made = None
     try:
@@ -66,6 +75,25 @@ def stage(technique: str, dtype: Any = np.float32) -> Iterator[Stage]:
         if made is not None:
             made.handle.remove()
         window.close()
+
+
+@pytest.fixture(scope="module", params=list(techniques()))
+def shared(request: pytest.FixtureRequest) -> Iterator[Stage]:
+    """One stage for all tests that look at pictures of a technique; what it leaves behind is looked for at its end."""
+    watch = Watch(objects=True)
+    with stage(request.param) as made:
+        yield made
+    # pytest still holds the stage; what hangs on it must not look leaked
+    vars(made).clear()
+    if leaks := watch.leaks():
+        pytest.fail("The stage left behind:\n  " + "\n  ".join(leaks), pytrace=False)
+
+
+@pytest.fixture
+def on(shared: Stage) -> Stage:
+    """The shared stage, seen as at first. What a technique keeps from picture to picture is no leak."""
+    shared.look()
+    return shared
 
 
 def other_values(p: Parameter) -> list[Any]:
@@ -82,7 +110,9 @@ def other_values(p: Parameter) -> list[Any]:
             # in data units: the range of the stage's volume
             return [0.35, 0.6, 0.9]
         middle = (low * high) ** 0.5 if p.logarithmic else (low + high) / 2
-        return [kind(v) for v in (middle, low, high) if kind(v) != p.default]
+        # the ends of the slider, then the utmost that can be typed
+        tried = (middle, low, high) if p.minimum is None else (middle, low, high, p.minimum)
+        return [kind(v) for v in tried if kind(v) != p.default]
     return {
         "color": [(1.0, 0.1, 0.1), (0.1, 0.1, 1.0)],
         "vector": [(0.3, 1.0, 0.2), (12.0, 14.0, 10.0)],
@@ -127,17 +157,6 @@ def test_settings_survive_json_and_the_command_line(technique: str) -> None:
 
 
 @pytest.mark.parametrize("technique", list(techniques()))
-def test_the_default_picture_is_neither_empty_nor_solid(technique: str) -> None:
-    with stage(technique) as on:
-        picture = on.picture()
-        alpha = picture[..., 3]
-        assert np.isfinite(picture).all()
-        assert 0.01 < (alpha > 0.05).mean() < 0.9
-        assert picture[..., :3].std() > 0.01
-        assert alpha.max() <= 1.0 + 1e-4
-
-
-@pytest.mark.parametrize("technique", list(techniques()))
 def test_the_classic_values_draw_a_picture(technique: str) -> None:
     info = techniques()[technique]
     # they were made for bytes
@@ -147,46 +166,10 @@ def test_the_classic_values_draw_a_picture(technique: str) -> None:
         assert (picture[..., 3] > 0.02).mean() > 0.005
 
 
-@pytest.mark.parametrize("technique", list(techniques()))
-def test_each_setting_changes_the_picture_or_says_why_not(technique: str) -> None:
-    info = techniques()[technique]
-    with stage(technique) as on:
-        # coarse samples, since the default ones are so fine that where they lie cannot be seen
-        coarse = {"step": 2.0} if any(p.name == "step" for p in info.parameters) else {}
-        default = on.picture(**coarse)
-        dead = [
-            p.name
-            for p in info.parameters
-            if p.name not in info.inert
-            and not any(
-                np.abs(on.picture(**(coarse | {p.name: v})) - default).max() > CHANGE for v in other_values(p)
-            )
-        ]
-    assert not dead, f"these settings change nothing: {', '.join(dead)}"
-
-
-@pytest.mark.parametrize("technique", list(techniques()))
-def test_a_setting_that_acts_only_with_another_one_acts_with_it(technique: str) -> None:
-    info = techniques()[technique]
-    dead = []
-    with stage(technique) as on:
-        for p in info.parameters:
-            if p.enabled_by is None or p.kind == "path":
-                continue
-            name, values = p.enabled_by
-            enabled = {name: values[0]}
-            base = on.picture(**enabled)
-            if not any(
-                np.abs(on.picture(**enabled, **{p.name: v}) - base).max() > CHANGE for v in other_values(p)
-            ):
-                dead.append(p.name)
-    assert not dead, f"these settings change nothing even when they are enabled: {', '.join(dead)}"
-
-
 @pytest.mark.parametrize("technique", TEXTURED)
 def test_a_cheap_setting_compiles_and_uploads_nothing(technique: str) -> None:
     info = techniques()[technique]
-    with stage(technique) as on:
+    with stage(technique, size=TINY) as on:
         on.picture()
         gpu = on.handle.gpu
         for p in info.parameters:
@@ -197,64 +180,6 @@ def test_a_cheap_setting_compiles_and_uploads_nothing(technique: str) -> None:
                 on.picture(**{p.name: value})
                 assert gpu.programs.compiled == compiled, f"{p.name} compiles a program"
                 assert gpu.uploads == uploads, f"{p.name} uploads a texture"
-
-
-@pytest.mark.parametrize("technique", list(techniques()))
-def test_chunks_make_the_same_picture_as_one_piece(technique: str) -> None:
-    with stage(technique) as on:
-        whole = on.picture()
-        on.handle.invalidate()
-        turns = 0
-        while not on.handle.refine(budget=0.0):
-            turns += 1
-            assert turns < 5000
-        assert turns > 0
-        assert np.abs(on.handle.read_picture() - whole).max() <= 1 / 255
-
-
-@pytest.mark.parametrize("technique", list(techniques()))
-def test_an_interrupted_picture_does_not_show_in_the_next_one(technique: str) -> None:
-    with stage(technique) as on:
-        whole = on.picture()
-        on.window.camera.Azimuth(40)
-        on.handle.invalidate()
-        assert not on.handle.refine(budget=0.0)
-        on.window.camera.Azimuth(-40)
-        again = on.picture()
-        assert np.abs(again - whole).max() <= 1 / 255
-
-
-@pytest.mark.parametrize("technique", list(techniques()))
-def test_crop_box_and_clip_planes_take_something_away(technique: str) -> None:
-    with stage(technique) as on:
-        full = on.picture()[..., 3]
-        x, y, z = on.volume.dimensions
-        on.handle.update(crop=(0, (x - 1) / 2, 0, y - 1, 0, z - 1))
-        on.window.render()
-        on.handle.raise_error()
-        cropped = on.handle.read_picture()[..., 3]
-        on.handle.update(crop=None, clip_planes=((on.volume.center, (1.0, 0.0, 0.0)),))
-        on.window.render()
-        on.handle.raise_error()
-        clipped = on.handle.read_picture()[..., 3]
-    covered = (full > 0.05).sum()
-    for cut in (cropped, clipped):
-        assert 0 < (cut > 0.05).sum() < covered
-
-
-@pytest.mark.parametrize("technique", list(techniques()))
-def test_parallel_projection_and_a_camera_inside_draw_without_error(technique: str) -> None:
-    with stage(technique) as on:
-        on.window.camera.SetParallelProjection(True)
-        parallel = on.picture()
-        assert np.isfinite(parallel).all()
-        assert (parallel[..., 3] > 0.05).mean() > 0.01
-        on.window.camera.SetParallelProjection(False)
-        x, y, z = on.volume.center
-        on.window.camera.SetPosition(x, y, z)
-        on.window.camera.SetFocalPoint(x + 3.0, y + 7.0, z + 2.0)
-        on.window.reset_camera_clipping_range()
-        assert np.isfinite(on.picture()).all()
 
 
 @pytest.mark.parametrize("technique", list(techniques()))
@@ -273,3 +198,104 @@ def test_vtk_draws_as_before_after_the_technique_was_there(technique: str) -> No
         after = on.window.screenshot(return_img=True)
         assert not np.array_equal(before, during)
         assert np.array_equal(before, after)
+
+
+# ---------------------------------------------------- tests that share a stage come last: no search in between
+
+
+@pytest.mark.leaks_allowed("the shared stage is searched at its end")
+def test_the_default_picture_is_neither_empty_nor_solid(on: Stage) -> None:
+    picture = on.picture()
+    alpha = picture[..., 3]
+    assert np.isfinite(picture).all()
+    assert 0.01 < (alpha > 0.05).mean() < 0.9
+    assert picture[..., :3].std() > 0.01
+    assert alpha.max() <= 1.0 + 1e-4
+
+
+@pytest.mark.leaks_allowed("the shared stage is searched at its end")
+def test_each_setting_changes_the_picture_or_says_why_not(on: Stage) -> None:
+    info = on.handle.technique
+    # coarse samples, since the default ones are so fine that where they lie cannot be seen
+    coarse = {"step": 2.0} if any(p.name == "step" for p in info.parameters) else {}
+    default = on.picture(**coarse)
+    dead = [
+        p.name
+        for p in info.parameters
+        if p.name not in info.inert
+        and not any(
+            np.abs(on.picture(**(coarse | {p.name: v})) - default).max() > CHANGE for v in other_values(p)
+        )
+    ]
+    assert not dead, f"these settings change nothing: {', '.join(dead)}"
+
+
+@pytest.mark.leaks_allowed("the shared stage is searched at its end")
+def test_a_setting_that_acts_only_with_another_one_acts_with_it(on: Stage) -> None:
+    info = on.handle.technique
+    dead = []
+    for p in info.parameters:
+        if p.enabled_by is None or p.kind == "path":
+            continue
+        name, values = p.enabled_by
+        enabled = {name: values[0]}
+        base = on.picture(**enabled)
+        if not any(
+            np.abs(on.picture(**enabled, **{p.name: v}) - base).max() > CHANGE for v in other_values(p)
+        ):
+            dead.append(p.name)
+    assert not dead, f"these settings change nothing even when they are enabled: {', '.join(dead)}"
+
+
+@pytest.mark.leaks_allowed("the shared stage is searched at its end")
+def test_chunks_make_the_same_picture_as_one_piece(on: Stage) -> None:
+    whole = on.picture()
+    on.handle.invalidate()
+    turns = 0
+    while not on.handle.refine(budget=0.0):
+        turns += 1
+        assert turns < 5000
+    assert turns > 0
+    assert np.abs(on.handle.read_picture() - whole).max() <= 1 / 255
+
+
+@pytest.mark.leaks_allowed("the shared stage is searched at its end")
+def test_an_interrupted_picture_does_not_show_in_the_next_one(on: Stage) -> None:
+    whole = on.picture()
+    on.window.camera.Azimuth(40)
+    on.handle.invalidate()
+    assert not on.handle.refine(budget=0.0)
+    on.window.camera.Azimuth(-40)
+    again = on.picture()
+    assert np.abs(again - whole).max() <= 1 / 255
+
+
+@pytest.mark.leaks_allowed("the shared stage is searched at its end")
+def test_crop_box_and_clip_planes_take_something_away(on: Stage) -> None:
+    full = on.picture()[..., 3]
+    x, y, z = on.volume.dimensions
+    on.handle.update(crop=(0, (x - 1) / 2, 0, y - 1, 0, z - 1))
+    on.window.render()
+    on.handle.raise_error()
+    cropped = on.handle.read_picture()[..., 3]
+    on.handle.update(crop=None, clip_planes=((on.volume.center, (1.0, 0.0, 0.0)),))
+    on.window.render()
+    on.handle.raise_error()
+    clipped = on.handle.read_picture()[..., 3]
+    covered = (full > 0.05).sum()
+    for cut in (cropped, clipped):
+        assert 0 < (cut > 0.05).sum() < covered
+
+
+@pytest.mark.leaks_allowed("the shared stage is searched at its end")
+def test_parallel_projection_and_a_camera_inside_draw_without_error(on: Stage) -> None:
+    on.window.camera.SetParallelProjection(True)
+    parallel = on.picture()
+    assert np.isfinite(parallel).all()
+    assert (parallel[..., 3] > 0.05).mean() > 0.01
+    on.window.camera.SetParallelProjection(False)
+    x, y, z = on.volume.center
+    on.window.camera.SetPosition(x, y, z)
+    on.window.camera.SetFocalPoint(x + 3.0, y + 7.0, z + 2.0)
+    on.window.reset_camera_clipping_range()
+    assert np.isfinite(on.picture()).all()

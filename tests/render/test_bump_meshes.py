@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import volviz
-from volviz.custom_gl.host.mesh_reading import read_triangles
 from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.errors import LoadError
+from volviz.meshes.reading import read_triangles
 
 SIZE = (120, 90)
 FLAT: dict[str, Any] = {
@@ -146,7 +146,7 @@ def test_a_file_that_has_changed_is_read_again(of: volviz.Volume, tmp_path: Path
         window.show(auto_close=False, interactive=False)
         small = (handle.read_picture()[..., 3] > 0).sum()
         pyvista.Sphere(radius=8.0).save(file)
-        handle.update(bump_strength=0.0)
+        handle.invalidate()
         window.render()
         assert (handle.read_picture()[..., 3] > 0).sum() > 3 * small
     finally:

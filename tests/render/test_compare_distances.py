@@ -19,8 +19,8 @@ from volviz.compare.meshes import side_mesh
 from volviz.compare.report import csv_report, html_report, json_report
 from volviz.compare.results import Comparison
 from volviz.compare.run import Side, compare
-from volviz.compare.stage import View
 from volviz.compare.surface_distance import surface_distance
+from volviz.model.render_spec import RenderSpec, View
 
 ISOVALUE = 0.53
 
@@ -33,8 +33,14 @@ def of() -> volviz.Volume:
 
 
 def compared(of: volviz.Volume, *techniques: str, **options: object) -> Comparison:
-    view = View(of, volviz.TransferFunction.auto(of), camera(of), (96, 72))
-    return compare(view, [Side(t, {"isovalue": ISOVALUE}) for t in techniques], frames=0, **options)
+    spec = RenderSpec((volviz.ImageLayer(of),))
+    return compare(
+        spec,
+        View(camera(of), (96, 72)),
+        [Side(t, {"isovalue": ISOVALUE}) for t in techniques],
+        frames=0,
+        **options,
+    )
 
 
 @pytest.fixture(scope="module")

@@ -25,21 +25,23 @@ from volviz.compare.report import csv_report, html_report, json_report, save_rep
 from volviz.compare.results import Comparison, picture_pairs
 from volviz.compare.run import ComparisonRun, Side, compare
 from volviz.compare.samples import ray_samples
-from volviz.compare.stage import View
 from volviz.compare.suite import suite_groups
 from volviz.compare.vtk_contours import vtk_contour
+from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
 from volviz.framing import default_camera
-from volviz.model.parameters import make_settings
+from volviz.model.render_spec import RenderSpec, View
 
 VOID = {"meta", "img", "br", "link", "input"}
 
 
-def make_view(name: str = "blobs", size: tuple[int, int] = (64, 48)) -> View:
+def make_view(name: str = "blobs", size: tuple[int, int] = (64, 48)) -> tuple[RenderSpec, View]:
+    """What is drawn, and from where."""
     volume = volviz.Volume(blobs((17, 18, 19), dtype=np.float32), name=name, spacing=(1.0, 1.1, 1.3))
     function = volviz.TransferFunction.from_points(POINTS)
-    return View(volume, function, default_camera(volume, size, transfer_function=function), size)
+    spec = RenderSpec((volviz.ImageLayer(volume, function),))
+    return spec, View(default_camera(volume, size, transfer_function=function), size)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +51,7 @@ def comparison() -> Comparison:
         Side("marching_tetrahedra", {"isovalue": 0.5}),
     ]  # fmt: skip
     return compare(
-        make_view("<b>&'name\""),
+        *make_view("<b>&'name\""),
         sides,
         frames=2,
         convergence=True,
@@ -131,7 +133,7 @@ def test_a_page_of_several_begins_with_an_overview_that_leads_to_each(comparison
 
 def test_one_pixel_that_is_far_off_does_not_dim_the_map_of_differences() -> None:
     view = make_view(size=(64, 48))
-    found = compare(view, [Side("raycast"), Side("raycast", {"step": 2.0})], frames=0)
+    found = compare(*view, [Side("raycast"), Side("raycast", {"step": 2.0})], frames=0)
     shown = found.pairs[0].difference
     assert 1.0 <= shown.limit < shown.values.max()
     assert (shown.values > shown.limit).mean() < 0.0015
@@ -190,7 +192,7 @@ def test_csv_has_one_figure_a_row(comparison: Comparison) -> None:
 
 def test_figures_of_meshes_are_those_of_trimesh(comparison: Comparison) -> None:
     side = comparison.side("marching_cubes")
-    volume = make_view().volume
+    volume = make_view()[0].layers[0].volume
     mesh = volviz.extract_isosurface(volume, 0.5, clean=True)
     theirs = trimesh.Trimesh(mesh.points, mesh.regular_faces, process=False)
     assert side.mesh is not None
@@ -210,7 +212,7 @@ def test_both_sides_converge_at_second_order(comparison: Comparison) -> None:
 
 
 def test_a_technique_against_itself_is_equal(tmp_path: Path) -> None:
-    found = compare(make_view(), [Side("raycast"), Side("raycast")], frames=0)
+    found = compare(*make_view(), [Side("raycast"), Side("raycast")], frames=0)
     assert [side.name for side in found.sides] == ["raycast", "raycast 2"]
     assert math.isinf(found.pairs[0].metrics.psnr)
     assert found.pairs[0].metrics.max_difference == 0
@@ -222,7 +224,7 @@ def test_a_technique_against_itself_is_equal(tmp_path: Path) -> None:
 
 
 def test_a_run_that_is_left_early_gives_its_windows_back() -> None:
-    run = ComparisonRun(make_view(), [Side("raycast"), Side("slicing")])
+    run = ComparisonRun(*make_view(), [Side("raycast"), Side("slicing")])
     steps = run.steps()
     for _ in range(4):
         next(steps)
@@ -233,19 +235,16 @@ def test_a_run_that_is_left_early_gives_its_windows_back() -> None:
 def test_samples_of_a_ray_through_a_cube_are_its_length_over_the_step() -> None:
     volume = volviz.Volume(np.zeros((21, 21, 21), np.float32) + np.arange(21, dtype=np.float32))
     camera = volviz.Camera((10.0, -100.0, 10.0), (10.0, 10.0, 10.0), parallel=True, parallel_scale=5.0)
+    view = View(camera, (40, 40))
     for ident in ("raycast", "slicing"):
-        info = technique(ident)
-        found = ray_samples(
-            volume, camera, (40, 40), ident, make_settings(info.settings, {"step": 0.4}, owner=ident)
-        )
+        found = ray_samples(spec_of(volume, ident, step=0.4), view)
         assert found is not None
         assert (found.mean, found.maximum, found.hit_share) == (pytest.approx(50), pytest.approx(50), 1.0)
         assert found.distance == pytest.approx(0.4)
-    settings = make_settings(technique("slicing").settings, {"slices": 16}, owner="slicing")
-    sliced = ray_samples(volume, camera, (40, 40), "slicing", settings)
+    sliced = ray_samples(spec_of(volume, "slicing", slices=16), view)
     assert sliced is not None
     assert sliced.mean == pytest.approx(16)
-    assert ray_samples(volume, camera, (40, 40), "splatting", technique("splatting").settings()) is None
+    assert ray_samples(spec_of(volume, "splatting"), view) is None
 
 
 def test_every_technique_of_a_suite_stands_beside_its_like() -> None:
@@ -375,7 +374,7 @@ def test_what_cannot_be_compared_is_refused_in_one_sentence(
 
 def test_one_side_alone_is_no_comparison() -> None:
     with pytest.raises(InputError):
-        ComparisonRun(make_view(), [Side("raycast")])
+        ComparisonRun(*make_view(), [Side("raycast")])
 
 
 def names_of(data: Any) -> list[str]:
@@ -413,7 +412,7 @@ def test_sides_are_matched_unless_they_shall_not_be() -> None:
 
 def test_ours_and_vtks_agree_to_45_decibels_and_ours_is_as_near_to_the_reference() -> None:
     sides = [Side("raycast"), Side("vtk_gpu"), Side("reference")]
-    found = compare(make_view(size=(96, 72)), sides, frames=1)
+    found = compare(*make_view(size=(96, 72)), sides, frames=1)
     psnr = {(pair.first, pair.second): pair.metrics.psnr for pair in found.pairs}
     assert psnr["raycast", "vtk_gpu"] > 45
     assert psnr["raycast", "reference"] >= psnr["vtk_gpu", "reference"]
@@ -425,15 +424,15 @@ def test_ours_and_vtks_agree_to_45_decibels_and_ours_is_as_near_to_the_reference
 
 def test_what_vtk_does_differently_is_told_in_words() -> None:
     sides = [Side("marching_tetrahedra"), Side("vtk_flying_edges")]
-    found = compare(make_view(), sides, frames=0)
+    found = compare(*make_view(), sides, frames=0)
     assert any("ambiguous" in sentence for sentence in found.pairs[0].differences)
     assert "ambiguous" in html_report([found])
 
 
 def test_figures_of_vtks_mesh_are_those_of_what_it_draws() -> None:
-    volume = make_view().volume
+    volume = make_view()[0].layers[0].volume
     sides = [Side("marching_cubes"), Side("vtk_flying_edges"), Side("vtk_flying_edges", {"stride": 2})]
-    found = compare(make_view(), [Side(s.technique, {"isovalue": 0.5, **s.values}) for s in sides], frames=0)
+    found = compare(*make_view(), [Side(s.technique, {"isovalue": 0.5, **s.values}) for s in sides], frames=0)
     ours, theirs, coarse = (side.mesh for side in found.sides)
     assert ours is not None
     assert theirs is not None
@@ -451,9 +450,12 @@ def test_meshes_of_volumes_with_gaps_have_finite_figures() -> None:
     array[8, 9, 9] = np.nan
     function = volviz.TransferFunction.from_points(POINTS)
     volume = volviz.Volume(array)
-    view = View(volume, function, default_camera(volume, (40, 30)), (40, 30))
+    view = (
+        RenderSpec((volviz.ImageLayer(volume, function),)),
+        View(default_camera(volume, (40, 30)), (40, 30)),
+    )
     sides = [Side(name, {"isovalue": 0.5}) for name in ("marching_cubes", "vtk_marching_cubes")]
-    found = compare(view, sides, frames=0)
+    found = compare(*view, sides, frames=0)
     assert all(side.mesh is not None and np.isfinite(side.mesh.area) for side in found.sides)
     distance = found.pairs[0].distance
     assert distance is not None
@@ -500,18 +502,18 @@ def test_a_suite_that_is_stopped_writes_what_is_finished(
 
 def test_a_side_that_is_slow_gets_fewer_frames_and_the_report_says_so() -> None:
     view = make_view(size=(48, 40))
-    found = compare(view, [Side("raycast"), Side("slicing")], frames=3, patience=1e-9)
+    found = compare(*view, [Side("raycast"), Side("slicing")], frames=3, patience=1e-9)
     assert [len(side.times.seconds) for side in found.sides if side.times is not None] == [1, 1]
     assert len(found.notes) == 2
     assert "1 of 3 frames was measured" in found.notes[0]
     assert "1 of 3 frames was measured" in html_report([found])
     assert any("Up to 3 frames" in words for words in found.remarks)
-    assert compare(view, [Side("raycast"), Side("slicing")], frames=1).notes == ()
+    assert compare(*view, [Side("raycast"), Side("slicing")], frames=1).notes == ()
 
 
 def test_a_mesh_that_is_empty_has_figures_and_no_distance() -> None:
     sides = [Side(name, {"isovalue": 99.0}) for name in ("marching_cubes", "vtk_flying_edges")]
-    found = compare(make_view(), sides, frames=0)
+    found = compare(*make_view(), sides, frames=0)
     assert [side.mesh.faces for side in found.sides if side.mesh is not None] == [0, 0]
     assert found.pairs[0].distance is None
     assert math.isinf(found.pairs[0].metrics.psnr)

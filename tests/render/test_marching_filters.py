@@ -11,12 +11,12 @@ import pytest
 import volviz
 from tests.render.scenes import LEFT_HANDED, OBLIQUE, Requests, blobs
 from tests.render.test_marching_interaction import complete, shown
-from volviz.custom_gl.host.mesh_filters import filter_triangles
-from volviz.custom_gl.mesh_drawing import MeshWish, world_triangles
+from volviz.custom_gl.mesh_drawing import MeshRequest, world_triangles
 from volviz.errors import Cancelled
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.mesh_metrics import mesh_metrics
-from volviz.mesh import extract_isosurface, triangle_arrays
+from volviz.meshes.filters import filter_triangles
+from volviz.meshes.polydata import extract_isosurface, triangle_arrays
 
 
 def speckled(**geometry: Any) -> volviz.Volume:
@@ -132,7 +132,9 @@ def test_progress_of_an_extraction_with_filters_covers_both() -> None:
 
 def test_a_stand_in_is_filtered_as_a_coarse_mesh_can_be() -> None:
     of = speckled()
-    wish = MeshWish(of, 0.3, "lorensen", 2, largest_part=True, min_triangles=800, smoothing=5, decimation=0.7)
+    wish = MeshRequest(
+        of, 0.3, "lorensen", 2, largest_part=True, min_triangles=800, smoothing=5, decimation=0.7
+    )
     coarse = wish.coarser(4)
     assert (coarse.stride, coarse.min_triangles) == (8, 50)
     assert (coarse.smoothing, coarse.decimation, coarse.largest_part) == (5, 0.0, True)

@@ -14,8 +14,8 @@ from tests.render import scenes
 from tests.render.scenes import Requests, blobs
 from tests.waiting import refuse_to_wait
 from volviz.custom_gl.host.pacing import BUDGET, FULL, CostModel, Level
-from volviz.custom_gl.mesh_drawing import blocks, store, technique
-from volviz.custom_gl.mesh_drawing.store import MeshWish
+from volviz.custom_gl.mesh_drawing import blocks, technique
+from volviz.custom_gl.mesh_drawing.mesh import MeshRequest, ReadyMesh
 from volviz.errors import RenderError
 from volviz.kernels import marching
 from volviz.kernels.marching import marching_cubes
@@ -125,7 +125,7 @@ def test_an_extraction_that_nobody_wants_is_cancelled(monkeypatch: pytest.Monkey
         assert slow.isovalues == [0.4, 0.6]
         slow.go.set()
         complete(window, handle)
-        assert handle.mesh.wish.isovalue == 0.6
+        assert handle.mesh.request.isovalue == 0.6
         assert slow.isovalues == [0.4, 0.6]
 
 
@@ -137,7 +137,7 @@ def test_every_frame_of_a_drag_shows_a_newer_mesh(monkeypatch: pytest.MonkeyPatc
 
     def noted(self: Any, block: int, program: Any) -> None:
         if block == 0:
-            drawn.append(self.mesh.wish.isovalue)
+            drawn.append(self.mesh.request.isovalue)
         draw(self, block, program)
 
     monkeypatch.setattr(blocks.MeshBlocks, "draw", noted)
@@ -351,7 +351,7 @@ def test_blocks_hold_every_triangle_once() -> None:
 
     vertices, faces, normals = marching_cubes(np.random.default_rng(1).random((30, 30, 30)), 0.5)
     assert normals is not None
-    mesh = store.ReadyMesh(MeshWish(field(), 0.5, "lorensen", 1), vertices, faces, normals)
+    mesh = ReadyMesh(MeshRequest(field(), 0.5, "lorensen", 1), vertices, faces, normals)
     gpu: Any = Buffers()
     cut = blocks.MeshBlocks(gpu, mesh)
     assert cut.count > 2

@@ -8,30 +8,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.render.scenes import SIZE, camera, function, inside, matrices, picture, volume
-from volviz.custom_gl.registry import technique, techniques
-from volviz.model.clipping import Clipping
-from volviz.model.light import Light
-from volviz.model.parameters import make_settings
+from tests.render.scenes import SIZE, camera, function, inside, picture, volume
+from volviz.custom_gl.arguments import spec_of
+from volviz.custom_gl.registry import techniques
+from volviz.model.render_spec import View
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
 from volviz.ray_inspection import RayInspection, inspect_ray
 
 LIMIT = 2 / 255
 RAMP = [(0.0, (0.2, 0.2, 0.6, 0.15)), (0.3, (0.2, 1.0, 0.4, 0.5)), (1.0, (1.0, 0.2, 0.1, 0.9))]
 PIXELS = [(x, y) for x in range(4, 64, 9) for y in range(6, 64, 9)]
-SHARED = ("crop", "clip_planes", "light_position")
 
 
 def inspected(of: Any, technique_id: str, pixel: Any, view: Any, transfer: Any, values: Any) -> RayInspection:
-    info = technique(technique_id)
-    own = {name: value for name, value in values.items() if name not in SHARED}
-    matrix, projection = matrices(of, view, SIZE)
-    light = Light(headlight="light_position" not in values, position=values.get("light_position"))
-    return inspect_ray(
-        of, technique_id, make_settings(info.settings, own, owner=technique_id), transfer, view=matrix,
-        projection=projection, size=SIZE, pixel=pixel, light=light,
-        clipping=Clipping(values.get("crop"), values.get("clip_planes", ())),
-    )  # fmt: skip
+    spec = spec_of(of, technique_id, transfer_function=transfer, **values)
+    light = replace(spec.light, headlight="light_position" not in values)
+    return inspect_ray(replace(spec, light=light), View(view, SIZE), pixel)
 
 
 def assert_pixels_agree(technique_id: str, of: Any, view: Any, points: Any = None, **values: Any) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 import volviz
 from tests.render.scenes import camera, function, volume
+from volviz.compare.distance_colors import colors_of
 from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.registry import techniques
 from volviz.errors import Cancelled, InputError, RenderError, SettingError
@@ -309,7 +310,8 @@ def test_a_surface_is_coloured_by_its_distance_to_another_one(
     other = techniques()["marching_cubes"].settings(isovalue=outer)
     wish = DistanceColoring("marching_cubes", other, signed=True)
     values = {"camera": camera(of), "isovalue": inner}
-    colored = renderer.render(of, "marching_cubes", surface_colors=wish, **values)
+    colors = colors_of(spec_of(of, "marching_cubes", isovalue=inner, surface_colors=wish))
+    colored = renderer.render(of, "marching_cubes", surface_colors=colors, **values)
     plain = renderer.render(of, "marching_cubes", **values)
     assert len(marching_cubes(of.array, inner)[1]) > 0
     np.testing.assert_array_equal(plain[..., 3], colored[..., 3])
@@ -317,4 +319,4 @@ def test_a_surface_is_coloured_by_its_distance_to_another_one(
     # the inner surface lies inside of the outer one everywhere: blue
     assert (seen[:, 2] > seen[:, 0]).mean() > 0.95
     with pytest.raises(InputError, match="draws no mesh"):
-        renderer.render(of, "raycast", surface_colors=wish)
+        colors_of(spec_of(of, "raycast", surface_colors=wish))

@@ -14,7 +14,6 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from tests.displays import NO_DISPLAY, window_can_open
-from tests.waiting import join_tasks
 from volviz.custom_gl.host.handle import VolumeHandle
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.scene import Scene
@@ -94,8 +93,6 @@ def bare_window(qapp: QApplication, theme: Theme, preferences: Preferences) -> I
     window.close()
     window.deleteLater()
     settle(qapp)
-    # cancelled, but kernels that are being compiled take their time
-    join_tasks()
     # pytest holds the fixture's value until after the search for leaks; what hangs on it must not look leaked
     vars(window).clear()
 

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication
 from tests.ui.conftest import is_complete, settle
 from tests.waiting import refuse_to_wait
 from volviz.custom_gl.scene_techniques import current_settings
+from volviz.model.store import Store
 from volviz.tasks import THREAD_NAME
 from volviz_ui.gui_thread import Delivery
 from volviz_ui.main_window import MainWindow
@@ -54,9 +55,9 @@ def test_the_window_never_waits_for_a_thread(
             before = window.viewport.frames
             change(window, technique, **values)
             # a gesture begins while it is made
-            window.views.active.display.begin_gesture()
+            window.store.begin_gesture("test")
             settle(qapp)
-            window.views.active.display.end_gesture()
+            window.store.end_gesture("test")
             wait_for(lambda: is_complete(window))
             assert window.viewport.frames > before
         assert window.views.active.display.handle.error is None
@@ -76,30 +77,31 @@ def test_a_drag_of_the_isovalue_shows_new_meshes_while_it_lasts(window: MainWind
     def note(_status: object) -> None:
         technique = display.handle._runner.technique
         blocks = technique._shown[True].blocks
-        now = None if blocks is None else blocks.mesh.wish.isovalue
+        now = None if blocks is None else blocks.mesh.request.isovalue
         if now in series and now not in shown[-1:]:
             shown.append(now)
 
     display.handle.on_status.append(note)
-    display.begin_gesture()
+    window.store.begin_gesture("test")
     display.handle._cost.observe(display.handle._picture.level, 1.0)
     for isovalue in series:
         change(window, "marching_cubes", isovalue=isovalue)
         # nothing moves any more: the mesh comes by itself
         wait_for(lambda isovalue=isovalue: shown[-1:] == [isovalue])
     assert shown == series
-    display.end_gesture()
+    window.store.end_gesture("test")
     wait_for(lambda: is_complete(window))
-    assert display.handle.mesh.wish.isovalue == 150.0
+    assert display.handle.mesh.request.isovalue == 150.0
 
 
 def test_a_wake_reaches_the_window_from_any_thread_and_not_what_has_gone(
     qapp: QApplication, wait_for: Wait
 ) -> None:
-    pacer = Pacer()
+    store = Store()
+    pacer = Pacer(store)
     frames: list[int] = []
     pacer.frame_wanted.connect(lambda: frames.append(threading.get_ident()))
-    pacer.hold()
+    store.begin_gesture("test")
 
     thread = threading.Thread(target=pacer.wake, args=(None,), name=f"{THREAD_NAME} test")
     thread.start()

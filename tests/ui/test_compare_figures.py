@@ -25,7 +25,7 @@ from volviz.custom_gl.scene_techniques import (
 )
 from volviz.kernels.marching.surface import clean_mesh
 from volviz.kernels.mesh_metrics import mesh_metrics
-from volviz.mesh import extract_isosurface, triangle_arrays
+from volviz.meshes.polydata import extract_isosurface, triangle_arrays
 from volviz.model.camera import Camera
 from volviz_ui.main_window import MainWindow
 from volviz_ui.views.fitting import fitted, reach

@@ -14,7 +14,7 @@ import pytest
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import is_complete
-from volviz.commands.compare import add_commands, sides_of, technique_and_values, view_of
+from volviz.commands.compare import add_commands, sides_of, spec_and_view, technique_and_values
 from volviz.commands.inputs import hints_of
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, current_technique
 from volviz.model.camera import Camera
@@ -73,12 +73,12 @@ def test_the_command_of_a_report_means_what_the_views_show(tmp_path: Path, paral
         given = {p.name: getattr(settings, p.name) for p in info.parameters}
         assert info.settings(**dict(side.values)) == info.settings(**given)
     volume = Volume(np.zeros((16, 16, 16), np.uint8))
-    view = view_of(volume, sides, options)
+    spec, view = spec_and_view(volume, sides, options)
     assert view.size == (320, 200)
-    assert view.light == scene.light
-    assert view.clipping == scene.clipping
+    assert spec.light == scene.light
+    assert spec.clipping == scene.clipping
     assert view.background == pytest.approx(scene.background, abs=1 / 255)
-    assert view.transfer_function.points == scene.layer.transfer_function.points
+    assert spec.layers[0].transfer_function.points == scene.layer.transfer_function.points
     assert view.camera.direction == pytest.approx(camera.direction)
     assert view.camera.scale == pytest.approx(camera.scale)
     if not parallel:

@@ -21,7 +21,7 @@ from volviz.custom_gl.scene_techniques import (
     current_technique,
 )
 from volviz.kernels.mesh_metrics import mesh_metrics
-from volviz.mesh import extract_isosurface, triangle_arrays
+from volviz.meshes.polydata import extract_isosurface, triangle_arrays
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.main_window import MainWindow
 from volviz_ui.panels.surface import words_of
@@ -48,7 +48,7 @@ def meshes(window: MainWindow, wait_for: Wait) -> MainWindow:
     choose_technique(window.store, "marching_cubes")
     change(window, "isovalue", 100.0)
     wait_for(lambda: is_complete(window))
-    wait_for(lambda: window.surface.facts is not None and window.surface.facts.mesh.wish.isovalue == 100.0)
+    wait_for(lambda: window.surface.facts is not None and window.surface.facts.mesh.request.isovalue == 100.0)
     return window
 
 
@@ -86,7 +86,7 @@ def test_the_section_and_the_command_belong_to_techniques_with_triangles(
     choose_technique(meshes.store, "marching_tetrahedra")
     assert not meshes.technique_panel.surface.isHidden()
     facts = wait_for_facts(meshes, wait_for)
-    wait_for(lambda: meshes.surface.facts.mesh.wish.method == "tetrahedra")
+    wait_for(lambda: meshes.surface.facts.mesh.request.method == "tetrahedra")
     assert facts is not None
 
 
@@ -105,7 +105,7 @@ def test_filters_change_the_mesh_and_are_steps_of_the_history(meshes: MainWindow
 def test_work_on_the_mesh_is_shown_and_can_be_given_up(
     meshes: MainWindow, wait_for: Wait, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from volviz.custom_gl.host import frames
+    from volviz.meshes import filters
 
     def endless(*_: Any, progress: Any, cancel: Any, **__: Any) -> Any:
         progress(0.5)
@@ -116,7 +116,7 @@ def test_work_on_the_mesh_is_shown_and_can_be_given_up(
     from volviz.errors import Cancelled
 
     handle_cancelled = Cancelled("The work on the mesh was cancelled.")
-    monkeypatch.setattr(frames, "filter_triangles", endless)
+    monkeypatch.setattr(filters, "filter_triangles", endless)
     before, shown = meshes.surface.facts, meshes.technique_panel.surface
     change(meshes, "smoothing", 30)
     wait_for(lambda: not shown.work.isHidden() and shown.bar.value() > 500)

@@ -13,14 +13,8 @@ from volviz.cli import main
 from volviz.errors import Cancelled, InputError, VolvizError
 from volviz.kernels.marching import marching_cubes
 from volviz.kernels.mesh_metrics import mesh_metrics
-from volviz.mesh import (
-    MESH_FORMATS,
-    extract_isosurface,
-    mesh_area_volume,
-    polydata,
-    save_mesh,
-    triangle_arrays,
-)
+from volviz.meshes.files import MESH_FORMATS, save_mesh
+from volviz.meshes.polydata import extract_isosurface, mesh_area_volume, polydata, triangle_arrays
 
 METHODS = ("lorensen", "topological", "tetrahedra")
 

@@ -7,6 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject
 
 from volviz.custom_gl.scene_techniques import change_setting, current_settings, current_technique
+from volviz.model.parameters import setting_values
 from volviz.model.store import Store
 from volviz_ui.binding import show_value
 from volviz_ui.documents import Documents
@@ -47,4 +48,4 @@ def _markers(shown: LoadedScene) -> tuple[Any, Any]:
         return (), ()
     settings = current_settings(shown.scene)
     values = current_technique(shown.scene).isovalues(settings, shown.volume)
-    return values, tuple(getattr(settings, "colors", ()))
+    return values, tuple(setting_values(settings).get("colors", ()))

@@ -40,13 +40,17 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
         lines = ["from dataclasses import replace", "", *lines]
         lines += ["from volviz.model.transfer_function_2d import Region, TransferFunction2D"]
     if coloring is not None:
-        lines += ["from volviz.model.surface_values import DistanceColoring"]
+        lines += [
+            "from volviz.compare.distance_colors import colors_of",
+            "from volviz.custom_gl.arguments import spec_of",
+            "from volviz.model.surface_values import DistanceColoring",
+        ]
     chosen = "" if layer.channel is None else f", channel={layer.channel}"
     chosen += f", time={layer.time}" if layer.time else ""
     lines += ["", f"volume = volviz.load({_source(layer)}{chosen})"]
     if layer.transfer_function is not None:
         lines += _function("transfer_function", layer.transfer_function)
-    lines += _others(others) + _coloring(coloring)
+    lines += _others(others) + _coloring(scene, coloring)
     shown = ["    volume,"]
     values = _layer_values(layer, but=("channel", "time", "name", "visible"))
     if values:
@@ -78,16 +82,22 @@ def _settings(info: TechniqueInfo, settings: Any) -> list[str]:
     ]
 
 
-def _coloring(coloring: DistanceColoring | None) -> list[str]:
+def _coloring(scene: Scene, coloring: DistanceColoring | None) -> list[str]:
     """The distance to another surface that this one is coloured by; it is measured anew."""
     if coloring is None:
         return []
     info = technique(coloring.technique)
     settings = ", ".join(_settings(info, coloring.settings))
     lines = [f"other = volviz.techniques()[{info.id!r}].settings({settings})"]
+    shown = current_technique(scene)
+    own = ", ".join(["volume", repr(shown.id), *_settings(shown, current_settings(scene))])
     options = "" if coloring.signed else ", signed=False"
     options += "" if coloring.limit is None else f", limit={_number(coloring.limit)}"
-    return [*lines, f"surface_colors = DistanceColoring({info.id!r}, other{options})"]
+    return [
+        *lines,
+        f"wish = DistanceColoring({info.id!r}, other{options})",
+        f"surface_colors = colors_of(spec_of({own}, surface_colors=wish))",
+    ]
 
 
 def _source(layer: Layer) -> str:

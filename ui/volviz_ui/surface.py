@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 
 from volviz.custom_gl.mesh_drawing import MeshSettings, ReadyMesh, world_triangles
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
-from volviz.model.parameters import Cost, parameters_of
+from volviz.custom_gl.technique import surface_settings
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.workers import Task, Workers
@@ -90,13 +90,11 @@ class Surface(QObject):
         if self._settings is None:
             return
         technique, settings = self._settings
-        names = [p.name for p in parameters_of(type(settings)) if p.cost is Cost.DATA]
 
         def back(scene: Scene) -> Scene:
             if scene.view.technique != technique:
                 return scene
-            values = {name: getattr(settings, name) for name in names}
-            restored = replace(current_settings(scene), **values)
+            restored = replace(current_settings(scene), **surface_settings(settings))
             return scene.with_view(settings=scene.view.with_settings(technique, restored).settings)
 
         self._store.update(back, label=self.tr("Cancel the mesh"))
@@ -122,14 +120,14 @@ class Surface(QObject):
 def facts_of(mesh: ReadyMesh, task: Task | None = None) -> SurfaceFacts:
     """The figures of a mesh; on a worker, since large ones take a second."""
     from volviz.kernels.mesh_metrics import mesh_metrics
-    from volviz.mesh import polydata
+    from volviz.meshes.polydata import polydata
 
     vertices, faces, normals = world_triangles(mesh)
     if task is not None:
         task.report(0.3)
-    volume = mesh.wish.volume
+    volume = mesh.request.volume
     whole = polydata(vertices, faces, normals)
-    whole.field_data["isovalue"] = [mesh.wish.isovalue]
+    whole.field_data["isovalue"] = [mesh.request.isovalue]
     return SurfaceFacts(
         mesh, whole, mesh_metrics(vertices, faces), str(volume.metadata.get("length_unit", "mm"))
     )

@@ -12,6 +12,7 @@ from PySide6.QtGui import QImage
 
 from volviz.custom_gl.oracles import OracleScene
 from volviz.custom_gl.registry import technique
+from volviz.custom_gl.settings import common_settings
 from volviz.errors import VolvizError
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings
@@ -140,7 +141,7 @@ def drawn_with(
     projection[2, 3] = -1.0
     scene = OracleScene(
         coarse, (cell,) * 3, function, volume.range, volume.mean_spacing,
-        max(getattr(settings, "step", 0.5) * min(volume.spacing), 0.5 * cell), view, projection, size,
+        max(common_settings(settings).step * min(volume.spacing), 0.5 * cell), view, projection, size,
         isovalues=info.isovalues(settings, volume),
         light=Light(headlight=False, position=(-0.3 * width, -1.5 * depth, height + 0.5 * depth)),
     )  # fmt: skip

@@ -19,17 +19,15 @@ from volviz.errors import InputError, VolvizError
 if TYPE_CHECKING:
     from volviz.compare.results import Comparison
     from volviz.compare.run import ComparisonRun, Side
-    from volviz.compare.stage import View
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.camera import Camera
+    from volviz.model.render_spec import RenderSpec, View
     from volviz.model.volume import Volume
 
 #: Pictures of a suite are many: small ones do.
 SIZE, SUITE_SIZE = "600x450", "320x240"
 #: Seconds for the frame times of each side; a suite has some two hundred of them.
 PATIENCE, SUITE_PATIENCE = 20.0, 3.0
-#: Settings that --isovalue stands for, by technique whichever it has.
-ISOVALUES = ("isovalue", "isovalues")
 
 
 def add_commands(commands: Any) -> None:
@@ -146,8 +144,7 @@ def sides_of(
             if k not in _shared_names()
         }
         if options.isovalue is not None:
-            names = [p.name for p in info.parameters if p.name in ISOVALUES]
-            values |= {n: (options.isovalue,) if n == "isovalues" else options.isovalue for n in names}
+            values |= info.isovalue_values([options.isovalue])
         shared = [name for name in own if name in _shared_names()]
         if shared:
             raise InputError(f"{shared[0]} is the same for all sides; give it by --set.")
@@ -166,7 +163,7 @@ def _compare(volume: Volume, sides: Sequence[Side], options: argparse.Namespace)
     from volviz.compare.run import ComparisonRun
 
     work = ComparisonRun(
-        view_of(volume, sides, options), sides, frames=options.frames, matched=not options.unmatched,
+        *spec_and_view(volume, sides, options), sides, frames=options.frames, matched=not options.unmatched,
         convergence=options.convergence, command=command_line(options), patience=_patience(options),
         distance_limit=options.distance_limit,
     )  # fmt: skip
@@ -176,16 +173,17 @@ def _compare(volume: Volume, sides: Sequence[Side], options: argparse.Namespace)
     return work.result
 
 
-def view_of(
+def spec_and_view(
     volume: Volume, sides: Sequence[Side], options: argparse.Namespace, preset: str | None = None
-) -> View:
-    """What all sides show: transfer function, camera, light and clipping from the options."""
-    from volviz.compare.stage import View
+) -> tuple[RenderSpec, View]:
+    """What all sides show, and from where: transfer function, light, clipping and camera from the options."""
     from volviz.custom_gl.arguments import split_values
     from volviz.custom_gl.registry import technique
     from volviz.model.clipping import Clipping
+    from volviz.model.layers import ImageLayer
     from volviz.model.light import Light
     from volviz.model.presets import preset_for
+    from volviz.model.render_spec import RenderSpec, View
     from volviz.model.transfer_function import TransferFunction
     from volviz.offscreen import background_color
 
@@ -200,7 +198,8 @@ def view_of(
     light, clipping, _ = split_values(shared, light, Clipping())
     clipping.crop_within(volume.dimensions)
     background = background_color(options.background) or (0.0, 0.0, 0.0)
-    return View(volume, function, _camera(options, volume, size, function), size, light, clipping, background)
+    spec = RenderSpec((ImageLayer(volume, function),), light=light, clipping=clipping)
+    return spec, View(_camera(options, volume, size, function), size, background)
 
 
 def _camera(options: argparse.Namespace, volume: Volume, size: tuple[int, int], function: Any) -> Camera:
@@ -353,7 +352,7 @@ def _suite_entry(
     from volviz.compare.run import ComparisonRun
 
     return ComparisonRun(
-        view_of(volume, sides, options, preset), sides, frames=options.frames, matched=not options.unmatched,
+        *spec_and_view(volume, sides, options, preset), sides, frames=options.frames, matched=not options.unmatched,
         convergence=options.convergence, command=command_line(options), patience=_patience(options),
         surface_pictures=False,
     )  # fmt: skip

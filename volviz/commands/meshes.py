@@ -56,8 +56,8 @@ def add_commands(commands: Any) -> None:
 
 def run_isosurface(options: argparse.Namespace) -> int:
     """Extract, filter and write a mesh."""
-    from volviz.mesh import extract_isosurface, mesh_area_volume
-    from volviz.mesh_files import check_mesh_target, save_mesh
+    from volviz.meshes.files import check_mesh_target, save_mesh
+    from volviz.meshes.polydata import extract_isosurface, mesh_area_volume
 
     output = check_mesh_target(Path(options.output).expanduser(), overwrite=options.overwrite)
     told = Progress(output.name)

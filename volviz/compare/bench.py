@@ -12,13 +12,15 @@ import numpy as np
 
 from volviz.compare.machine import machine_facts, version_facts
 from volviz.compare.results import plain, times_dict
-from volviz.compare.stage import Stage, View
-from volviz.compare.timing import FrameTimes, Ratio, ratio, stage_timer
+from volviz.compare.timing import Drawn, FrameTimes, Ratio, frame_timer, ratio
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.errors import InputError
 from volviz.framing import default_camera
+from volviz.model.layers import ImageLayer
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.transfer_function import TransferFunction
 from volviz.model.volume import Volume
+from volviz.renderer import Renderer
 
 #: Version of the JSON.
 SCHEMA = 1
@@ -112,7 +114,7 @@ class BenchRun:
         self._cases = [BenchCase(n, w, s) for n in sizes for w in windows for s in steps]
         self._first_step = steps[0]
         self.frames = frames
-        self._renderer = ""
+        self._opengl = ""
         self.entries: list[BenchEntry] = []
         self.complete = False
 
@@ -134,21 +136,22 @@ class BenchRun:
 
     def _measure(self, case: BenchCase, volume: Volume) -> Generator[float, None, None]:
         camera = default_camera(volume, case.window, transfer_function=self._function)
-        view = View(volume, self._function, camera, case.window)
+        spec, view = RenderSpec((ImageLayer(volume, self._function),)), View(camera, case.window)
         with ExitStack() as stack:
-            stages: dict[str, Stage] = {}
+            drawn: dict[str, Drawn] = {}
             for ident in self._techniques:
-                stepped = "step" in {p.name for p in technique_info(ident).parameters}
+                info = technique_info(ident)
+                stepped = "step" in {p.name for p in info.parameters}
                 if not stepped and case.step != self._first_step:
                     continue
                 yield 0.0
-                stages[ident] = stack.enter_context(
-                    Stage(view, ident, {"step": case.step} if stepped else {})
-                )
-                self._renderer = self._renderer or stages[ident].renderer
-            if not stages:
+                renderer = stack.enter_context(Renderer(case.window))
+                self._opengl = self._opengl or renderer.opengl
+                settings = info.settings(step=case.step) if stepped else None
+                drawn[ident] = Drawn.first(renderer, spec.drawn_by(ident, settings), view)
+            if not drawn:
                 return
-            timer = stage_timer(stages, self.frames, patience=TECHNIQUE_SECONDS)
+            timer = frame_timer(drawn, self.frames, patience=TECHNIQUE_SECONDS)
             try:
                 yield from timer.steps()
             finally:
@@ -178,7 +181,7 @@ class BenchRun:
             "schema": SCHEMA,
             "complete": self.complete,
             "volume": self._volume.name,
-            "machine": machine_facts(self._renderer),
+            "machine": machine_facts(self._opengl),
             "versions": version_facts(),
             "command": command,
             "results": [

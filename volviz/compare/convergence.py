@@ -18,17 +18,18 @@ import numpy.typing as npt
 
 from volviz.compare.meshes import side_mesh
 from volviz.compare.samples import ray_samples
-from volviz.compare.stage import Stage, View
 from volviz.compare.surface_distance import surface_distance
 from volviz.custom_gl.oracles import OracleScene
 from volviz.custom_gl.registry import technique as technique_info
+from volviz.custom_gl.resolve import resolve
 from volviz.custom_gl.study import STRIDE_CELLS, Study, diagonal, splat_distance
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import InputError
-from volviz.kernels.slices import crop_corners
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.light import default_position
+from volviz.model.parameters import make_settings
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.volume import Volume
+from volviz.renderer import Renderer
 
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
 ROUNDING = 2e-3
@@ -108,8 +109,10 @@ class ConvergenceRun:
 
     Parameters
     ----------
+    spec : RenderSpec
+        What is shown: layers, light and clipping.
     view : View
-        What is shown; pictures larger than the study allows are made smaller in proportion.
+        From where, with a camera; pictures larger than the study allows are made smaller in proportion.
     name, technique : str
         Name for the result, and id of the technique.
     settings : mapping, optional
@@ -125,6 +128,7 @@ class ConvergenceRun:
 
     def __init__(
         self,
+        spec: RenderSpec,
         view: View,
         name: str,
         technique: str,
@@ -132,11 +136,12 @@ class ConvergenceRun:
         how: Study | None = None,
     ) -> None:
         self._info = technique_info(technique)
-        chosen = how or study(self._info, view.volume)
+        self._spec, self._volume = spec, resolve(spec.drawn_by(technique)).volume
+        chosen = how or study(self._info, self._volume)
         if chosen is None:
             raise InputError(why_not(self._info))
         self._study = chosen
-        self._view = smaller(view, chosen.most_pixels)
+        self._view = smaller(replace(view, background=view.background or (0.0, 0.0, 0.0)), chosen.most_pixels)
         self._name = name
         # a number of slices would leave the step without effect
         given = {key: value for key, value in (settings or {}).items() if key != "slices"}
@@ -156,12 +161,13 @@ class ConvergenceRun:
         offset, model = self._offset(truth)
         yield 2 / total
         distances, errors, largest = [], [], []
-        coarsest = self._settings | {how.parameter: self._as_setting(how.values[0])}
-        with Stage(self._view, self._info.id, coarsest) as stage:
+        with Renderer(self._view.size) as renderer:
             for done, value in enumerate(how.values, 3):
-                stage.update(**{how.parameter: self._as_setting(value)})
-                difference = 255.0 * np.abs(stage.picture("float32").astype(np.float64) - truth)
-                distances.append(self._distance(stage.settings))
+                spec = self._drawn_by(
+                    self._info.id, self._settings | {how.parameter: self._as_setting(value)}
+                )
+                difference = 255.0 * np.abs(_picture(renderer, spec, self._view) - truth)
+                distances.append(self._distance(spec))
                 errors.append(float(np.sqrt(np.mean(difference**2))))
                 largest.append(float(difference.max()))
                 yield done / total
@@ -179,55 +185,59 @@ class ConvergenceRun:
             words = f"{technique} with a splat at every voxel"
         else:
             words = f"{technique} with {self._study.parameter} = {best:g}"
-        return self._picture(self._view, technique, given), words
+        return self._picture(technique, given), words
 
     def _offset(self, truth: npt.NDArray[np.float64]) -> tuple[float | None, str]:
         """Distance of a technique's own limit from what it stands for, and what that is in words."""
         best = self._study.best
         if self._study.is_exact is not None and self._info.oracle is not None:
-            share = min((INTEGRAL_DIAGONAL / diagonal(self._view.volume)) ** 2, 1.0)
+            share = min((INTEGRAL_DIAGONAL / diagonal(self._volume)) ** 2, 1.0)
             view = smaller(self._view, round(share * INTEGRAL_PIXELS))
-            with Stage(view, self._info.id, self._settings | {"step": best}) as stage:
-                scene = oracle_scene(view, INTEGRAL_STEP)
-                if stage.notice or not self._study.is_exact(scene, stage.settings):
+            spec = self._drawn_by(self._info.id, self._settings | {"step": best})
+            scene = oracle_scene(spec, view, INTEGRAL_STEP)
+            with Renderer(view.size) as renderer:
+                drawn = _picture(renderer, spec, view)
+                if renderer.notice or not self._study.is_exact(scene, spec.settings):
                     return None, ""
-                drawn = stage.picture("float32").astype(np.float64)
-                rgba = self._info.oracle(scene, stage.settings)
+            rgba = self._info.oracle(scene, spec.settings)
             exact = rgba[..., :3] + (1.0 - rgba[..., 3:]) * np.asarray(view.background)
             return _rms(drawn - exact), "the integral with a shadow ray from every sample"
         if self._study.beside:
             other = self._study.beside
             given = _settings_of(other, self._settings) | {"step": best}
-            return _rms(truth - self._picture(self._view, other, given)), f"{other} with step = {best:g}"
+            return _rms(truth - self._picture(other, given)), f"{other} with step = {best:g}"
         return None, ""
 
-    def _picture(self, view: View, technique: str, settings: Mapping[str, Any]) -> npt.NDArray[np.float64]:
-        with Stage(view, technique, settings) as stage:
-            return np.asarray(stage.picture("float32"), np.float64)
+    def _drawn_by(self, technique: str, values: Mapping[str, Any]) -> RenderSpec:
+        """What a technique draws with settings by name."""
+        settings = make_settings(technique_info(technique).settings, values, owner=technique)
+        return self._spec.drawn_by(technique, settings)
+
+    def _picture(self, technique: str, values: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+        with Renderer(self._view.size) as renderer:
+            return _picture(renderer, self._drawn_by(technique, values), self._view)
 
     def _as_setting(self, value: float | None) -> Any:
         whole = value is not None and self._study.parameter != "step"
         return int(value) if whole and value is not None else value
 
-    def _distance(self, settings: Any) -> float:
+    def _distance(self, spec: RenderSpec) -> float:
         """What the error is plotted over, in voxels."""
-        view = self._view
+        settings = spec.settings
         if self._study.parameter == "bisections":
             return float(settings.step) / 2.0 ** int(settings.bisections)
         if self._study.parameter == "splats_per_axis":
-            return splat_distance(view.volume, settings.splats_per_axis)
-        samples = ray_samples(
-            view.volume, view.camera, view.size, self._info.id, settings, view.clipping
-        )  # fmt: skip
-        return float(settings.step) if samples is None else samples.distance / min(view.volume.spacing)
+            return splat_distance(self._volume, settings.splats_per_axis)
+        samples = ray_samples(spec, self._view)
+        return float(settings.step) if samples is None else samples.distance / min(self._volume.spacing)
 
     # ------------------------------------------------------------------------------------ meshes
 
     def _meshes(self) -> Generator[float, None, None]:
         how, total = self._study, len(self._study.values) + 1
-        volume, settings = cropped_to(self._view.volume, STRIDE_CELLS), dict(self._settings)
+        volume, settings = cropped_to(self._volume, STRIDE_CELLS), dict(self._settings)
         if settings.get("isovalue") is None:
-            settings["isovalue"] = auto_isovalue(self._view.volume)
+            settings["isovalue"] = auto_isovalue(self._volume)
         unit = min(volume.spacing)
 
         def mesh(stride: float) -> Any:
@@ -317,17 +327,18 @@ def fitted_line(
     return math.exp(float(rest[number].mean())), float(powers[number, 0])
 
 
-def oracle_scene(view: View, step: float) -> OracleScene:
-    """What an oracle draws of a view, with samples a number of voxels of the smallest spacing apart."""
-    volume, light = view.volume, view.light
-    corners = crop_corners(volume.index_to_world, None, volume.dimensions)
-    width, height = view.size
-    modelview, projection = view.camera.matrices(width / height, view.camera.clipping_range(corners))
-    placed = replace(light, position=light.position or default_position(volume.bounds))
+def oracle_scene(spec: RenderSpec, view: View, step: float) -> OracleScene:
+    """What an oracle draws, with samples a number of voxels of the smallest spacing apart; the view has a camera."""
+    shown, camera = resolve(spec), view.camera
+    assert camera is not None
+    volume, light, (width, height) = shown.volume, shown.light, view.size
+    modelview, projection = camera.matrices(width / height, camera.clipping_range(volume.corners))
     return OracleScene(
-        volume.array, volume.spacing, view.transfer_function, volume.range, volume.mean_spacing,
+        volume.array, volume.spacing, shown.drawn_function, volume.range, volume.mean_spacing,
         step * min(volume.spacing), modelview, projection, view.size, volume.origin, volume.direction,
-        light=light if light.headlight else placed, clipping=view.clipping,
+        isovalues=shown.isovalues,
+        light=light if light.headlight else replace(light, position=shown.light_position),
+        clipping=shown.clipping,
     )  # fmt: skip
 
 
@@ -350,6 +361,11 @@ def cropped_to(volume: Volume, cells: int) -> Volume:
         volume.array[:nz, :ny, :nx], spacing=volume.spacing, origin=volume.origin, direction=volume.direction,
         unit=volume.unit, name=volume.name,
     )  # fmt: skip
+
+
+def _picture(renderer: Renderer, spec: RenderSpec, view: View) -> npt.NDArray[np.float64]:
+    """Red, green and blue over the view's background, shape (H, W, 3), 0..1."""
+    return np.asarray(renderer.draw(spec, view, dtype="float32")[..., :3], np.float64)
 
 
 def _rms(difference: npt.NDArray[np.float64]) -> float:

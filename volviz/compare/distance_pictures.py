@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from volviz.compare.distance_colors import distance_colors
 from volviz.compare.distance_map import DistanceMap
-from volviz.compare.stage import Stage, View
+from volviz.custom_gl.resolve import resolve
+from volviz.model.render_spec import RenderSpec, View
+from volviz.renderer import Renderer
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -49,8 +50,8 @@ class DistancePictures:
 
 
 def distance_pictures(
+    specs: tuple[RenderSpec, RenderSpec],
     view: View,
-    sides: tuple[tuple[str, Any], tuple[str, Any]],
     maps: tuple[DistanceMap, DistanceMap],
     limit: float | None = None,
 ) -> DistancePictures:
@@ -58,10 +59,10 @@ def distance_pictures(
 
     Parameters
     ----------
+    specs : tuple of 2 RenderSpec
+        Of techniques that draw meshes.
     view : View
-        From where.
-    sides : tuple of 2 (technique, settings)
-        As for `Stage`.
+        From where, with a background.
     maps : tuple of 2 DistanceMap
         Of the meshes that these techniques draw.
     limit : float, optional
@@ -72,12 +73,11 @@ def distance_pictures(
     VolvizError
         Drawing failed, or `limit` is not above 0.
     """
-    colors = distance_colors(maps, view.volume.spacing, limit)
+    colors = distance_colors(maps, resolve(specs[0]).volume.spacing, limit)
     pictures = []
-    for (technique, settings), each in zip(sides, (colors.first, colors.second), strict=True):
-        with Stage(view, technique, settings) as stage:
-            stage.handle.color_surface(each)
-            pictures.append(stage.picture())
+    for spec, each in zip(specs, (colors.first, colors.second), strict=True):
+        with Renderer(view.size) as renderer:
+            pictures.append(renderer.draw(replace(spec, surface_colors=each), view)[..., :3])
     return DistancePictures(
         pictures[0], pictures[1], colors.limit, colors.first.table, colors.largest, colors.is_signed,
         colors.are_same, colors.are_vertices_same,

@@ -16,7 +16,7 @@ from volviz.custom_gl.registry import are_counterparts
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.errors import SettingError
 from volviz.model.light import Light
-from volviz.model.parameters import make_settings, parameters_of
+from volviz.model.parameters import make_settings, setting_values, value_text
 
 if TYPE_CHECKING:
     from volviz.compare.results import SideResult
@@ -89,7 +89,7 @@ def _added(
         if other.id in info.counterpart_of:
             followed = _with_what_is_fixed(other.id, given, infos)
             settings, _ = match(other.id, make_settings(other.settings, followed, owner=other.id), info.id)
-            added = {p.name: getattr(settings, p.name) for p in info.parameters}
+            added = setting_values(settings)
             break
     added = _with_what_is_fixed(info.id, added, infos)
     return {name: value for name, value in added.items() if name not in values}
@@ -147,7 +147,7 @@ def match(technique: str, settings: Any, other: str, *, light: Light | None = No
     source, info = technique_info(technique), technique_info(other)
     values: dict[str, Any] = {}
     known = {p.name: p for p in info.parameters}
-    wanted = {p.name: getattr(settings, p.name) for p in parameters_of(type(settings))}
+    wanted = setting_values(settings)
     wanted |= source.matching.fixed
     if wanted.get("shading") is False:
         wanted |= info.matching.unlit
@@ -196,7 +196,7 @@ def differences(
     ]
     sentences = []
     for info, (it, other) in zip(infos, (sides, sides[::-1]), strict=True):
-        values = {p.name: getattr(other.settings, p.name) for p in parameters_of(type(other.settings))}
+        values = setting_values(other.settings)
         words = values | {"it": it.id, "other": other.id, "its_mode": it.get("mode")}
         sentences += [rule.words.format(**words) for rule in info.matching.rules if rule.when(it, other)]
     return sentences
@@ -220,22 +220,8 @@ def side_names(techniques: Sequence[str]) -> list[str]:
 def settings_differences(first: SideResult, second: SideResult) -> list[str]:
     """Settings of the same name that have different values on both sides, a sentence each."""
     return [
-        f"{name} is {in_words(first.settings[name])} in {first.name}, {in_words(second.settings[name])} in "
-        f"{second.name}."
+        f"{name} is {value_text(first.settings[name], 6)} in {first.name}, "
+        f"{value_text(second.settings[name], 6)} in {second.name}."
         for name in first.settings
         if name in second.settings and first.settings[name] != second.settings[name]
     ]
-
-
-def in_words(value: Any) -> str:
-    """A setting's value as a person would write it after ``--set name=``."""
-    if value is None:
-        return "automatic"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return f"{value:g}"
-    if isinstance(value, (tuple, list)):
-        nested = any(isinstance(item, (tuple, list)) for item in value)
-        return ("; " if nested else ",").join(in_words(item) for item in value) or "none"
-    return str(value)

@@ -11,7 +11,9 @@ import numpy.typing as npt
 from volviz.compare.vtk_contours import vtk_contour
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.kernels.marching.surface import clean_mesh
+from volviz.meshes.extraction import extract_triangles
 from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import make_settings
 from volviz.model.volume import Volume
 
 Mesh = tuple[npt.NDArray[Any], npt.NDArray[Any]]
@@ -70,7 +72,12 @@ def drawn_mesh(
         isovalue = auto_isovalue(volume)
     if info.kind == "prop":
         return vtk_contour(_as_drawn(volume, int(settings.get("stride", 1))), isovalue, info.extraction)
-    return _ours(volume, str(settings.get("method", info.extraction)), isovalue, settings, cancel)
+    made = make_settings(info.settings, settings, owner=info.id)
+    vertices, faces, _ = extract_triangles(
+        volume, isovalue, getattr(made, "method", info.extraction), normals=None, cancel=cancel,
+        **made.extraction_options,
+    )  # fmt: skip
+    return vertices, faces
 
 
 def _as_drawn(volume: Volume, stride: int) -> Volume:
@@ -82,29 +89,3 @@ def _as_drawn(volume: Volume, stride: int) -> Volume:
     array = np.where(finite, array, np.asarray(volume.range[0], array.dtype))
     x, y, z = (stride * s for s in volume.spacing)
     return Volume(array, spacing=(x, y, z), origin=volume.origin, direction=volume.direction)
-
-
-def _ours(
-    volume: Volume,
-    method: str,
-    isovalue: float,
-    settings: Mapping[str, Any],
-    cancel: Callable[[], bool] | None,
-) -> Mesh:
-    from volviz.mesh import extract_isosurface, triangle_arrays
-
-    parts = settings.get("parts", "all")
-    return triangle_arrays(
-        extract_isosurface(
-            volume,
-            isovalue,
-            method,
-            stride=int(settings.get("stride", 1)),
-            normals=None,
-            largest_part=parts == "largest",
-            min_triangles=int(settings.get("part_triangles", 0)) if parts == "large" else 0,
-            smooth=int(settings.get("smoothing", 0)),
-            decimate=float(settings.get("decimation", 0.0)),
-            cancel=cancel,
-        )
-    )

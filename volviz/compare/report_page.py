@@ -10,7 +10,6 @@ from html import escape
 from pathlib import Path
 
 from volviz.compare.convergence import LEVELS, Convergence
-from volviz.compare.matching import in_words
 from volviz.compare.pictures import Difference, color_table
 from volviz.compare.plots import convergence_plot, times_plot
 from volviz.compare.report_distances import distances, length_unit
@@ -28,6 +27,7 @@ from volviz.compare.report_overview import overview
 from volviz.compare.results import Comparison, PairResult, SideResult
 from volviz.compare.timing import ratio
 from volviz.kernels.mesh_metrics import MeshMetrics
+from volviz.model.parameters import value_text
 
 STYLE = Path(__file__).with_name("report_page.css")
 #: Techniques that a title names; of more it tells the number.
@@ -329,7 +329,7 @@ def _settings(sides: Sequence[SideResult]) -> str:
     names = dict.fromkeys(name for side in sides for name in side.settings)
     rows, marks = [], []
     for name in names:
-        values = [in_words(side.settings[name]) if name in side.settings else "–" for side in sides]
+        values = [value_text(side.settings[name], 6) if name in side.settings else "–" for side in sides]
         rows.append([escape(name), *map(escape, values)])
         marks.append(len({v for v in values if v != "–"}) > 1)
     return table(["setting", *(side.name for side in sides)], rows, marks=marks)
@@ -340,7 +340,7 @@ def _view(comparison: Comparison) -> str:
     data = json.dumps(comparison.to_dict()["transfer_function"], separators=(",", ":"))
     uri = "data:application/json;base64," + base64.b64encode(data.encode()).decode()
     link = f'<p><a download="transfer-function.json" href="{uri}">Transfer function as JSON</a></p>'
-    return "<h3>View</h3>" + facts({key: in_words(value) for key, value in view.items()}) + link
+    return "<h3>View</h3>" + facts({key: value_text(value, 6) for key, value in view.items()}) + link
 
 
 def _ratio(comparison: Comparison, pair: PairResult) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,14 +27,17 @@ from volviz.compare.pictures import (
 )
 from volviz.compare.results import Comparison, PairResult, SideResult, picture_pairs
 from volviz.compare.samples import ray_samples
-from volviz.compare.stage import Stage, View
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
-from volviz.compare.timing import FrameTimes, stage_timer
+from volviz.compare.timing import Drawn, FrameTimes, frame_timer
 from volviz.custom_gl.registry import technique
+from volviz.custom_gl.resolve import resolve
 from volviz.errors import InputError
+from volviz.framing import default_camera
 from volviz.kernels.mesh_metrics import mesh_metrics
-from volviz.model.parameters import Parameter, parameters_of
+from volviz.model.parameters import Parameter, setting_values
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.volume import Volume
+from volviz.renderer import Renderer
 
 #: Seconds for the frame times of each side.
 TIMING_SECONDS = 20.0
@@ -68,8 +71,10 @@ class ComparisonRun:
 
     Parameters
     ----------
+    spec : RenderSpec
+        What all sides show: layers, light and clipping.
     view : View
-        What is shown.
+        From where; without a background the pictures are compared over black.
     sides : sequence of Side
         At least two.
     frames : int, default: 7
@@ -95,6 +100,7 @@ class ComparisonRun:
 
     def __init__(
         self,
+        spec: RenderSpec,
         view: View,
         sides: Sequence[Side],
         *,
@@ -109,9 +115,14 @@ class ComparisonRun:
     ) -> None:
         if len(sides) < 2:
             raise InputError(f"a comparison needs at least two techniques, got {len(sides)}.")
-        self._view = view
+        shown = resolve(replace(spec, technique=sides[0].technique, settings=None))
+        camera = view.camera or default_camera(
+            shown.volume, view.size, transfer_function=shown.transfer_function
+        )
+        self._spec, self._volume, self._function = spec, shown.volume, shown.transfer_function
+        self._view = replace(view, camera=camera, background=view.background or (0.0, 0.0, 0.0))
         self._sides = match_sides(
-            [(side.technique, side.values) for side in sides], matched=matched, light=view.light
+            [(side.technique, side.values) for side in sides], matched=matched, light=spec.light
         )
         self._frames = frames
         self._patience = patience
@@ -119,7 +130,7 @@ class ComparisonRun:
         self._surface_pictures = surface_pictures
         self._distance_limit = distance_limit
         names = [side.name for side in self._sides]
-        self._title = title or f"{', '.join(names[:-1])} and {names[-1]} on {view.volume.name}"
+        self._title = title or f"{', '.join(names[:-1])} and {names[-1]} on {self._volume.name}"
         self._command = command
         self._meshes: dict[str, Mesh] = {}
         self.result: Comparison | None = None
@@ -130,20 +141,22 @@ class ComparisonRun:
         Closing the iterator early gives every window back.
         """
         results: dict[str, SideResult] = {}
-        renderer = ""
+        opengl = ""
         with ExitStack() as stack:
-            stages: dict[str, Stage] = {}
+            drawn: dict[str, Drawn] = {}
             for i, side in enumerate(self._sides):
                 yield 0.3 * i / len(self._sides), f"drawing {side.name}"
-                stage = stack.enter_context(Stage(self._view, side.technique, side.settings))
-                stages[side.name] = stage
-                renderer = renderer or stage.renderer
-                results[side.name] = self._side_result(side, stage)
+                made = stack.enter_context(Renderer(self._view.size))
+                opengl = opengl or made.opengl
+                drawn[side.name] = Drawn.first(made, self._spec_of(side), self._view)
+                results[side.name] = self._side_result(side, drawn[side.name])
             times: dict[str, FrameTimes] = {}
             # an oracle has all the time in the world
-            timed = {name: stage for name, stage in stages.items() if not stage.technique.is_oracle}
+            timed = {
+                name: each for name, each in drawn.items() if not technique(each.spec.technique).is_oracle
+            }
             if self._frames and timed:
-                timer = stage_timer(timed, self._frames, patience=self._patience)
+                timer = frame_timer(timed, self._frames, patience=self._patience)
                 for fraction in timer.steps():
                     yield 0.3 + 0.3 * fraction, "taking frame times"
                 times = timer.times
@@ -160,7 +173,7 @@ class ComparisonRun:
         if self._convergence:
             for fraction, words in self._converge(orders):
                 yield 0.75 + 0.25 * fraction, words
-        self.result = self._comparison(tuple(results.values()), tuple(pairs), tuple(orders), renderer)
+        self.result = self._comparison(tuple(results.values()), tuple(pairs), tuple(orders), opengl)
         yield 1.0, "done"
 
     def _time_given(self) -> tuple[str, ...]:
@@ -180,24 +193,22 @@ class ComparisonRun:
             if (times := side.times) is not None and 0 < len(times.seconds) < self._frames
         )
 
-    def _side_result(self, side: MatchedSide, stage: Stage) -> SideResult:
-        settings = {
-            p.name: shown_value(p, getattr(stage.settings, p.name))
-            for p in parameters_of(type(stage.settings))
-        }
-        samples = ray_samples(
-            self._view.volume, self._view.camera, self._view.size, side.technique, stage.settings,
-            self._view.clipping,
-        )  # fmt: skip
+    def _spec_of(self, side: MatchedSide) -> RenderSpec:
+        """What a side draws."""
+        return self._spec.drawn_by(side.technique, side.settings)
+
+    def _side_result(self, side: MatchedSide, drawn: Drawn) -> SideResult:
+        info = technique(side.technique)
+        values = setting_values(side.settings)
+        settings = {p.name: shown_value(p, values[p.name]) for p in info.parameters}
+        picture = drawn.renderer.draw(drawn.spec, self._view)[..., :3]
         return SideResult(
-            side.name, side.technique, stage.technique.label, settings, stage.picture(),
-            samples=samples, notice=stage.notice,
+            side.name, side.technique, info.label, settings, picture,
+            samples=ray_samples(drawn.spec, self._view), notice=drawn.renderer.notice,
         )  # fmt: skip
 
     def _with_figures(self, side: SideResult, times: FrameTimes | None) -> SideResult:
-        from dataclasses import replace
-
-        mesh = drawn_mesh(self._view.volume, side.technique, side.settings)
+        mesh = drawn_mesh(self._volume, side.technique, side.settings)
         if mesh is not None:
             self._meshes[side.name] = mesh
         return replace(side, times=times, mesh=None if mesh is None else mesh_metrics(*cleaned(mesh)))
@@ -231,15 +242,15 @@ class ComparisonRun:
             return surface_distance(cleaned(a), cleaned(b)), None
         maps = distance_maps(a, b)
         one, other = self._matched(first), self._matched(second)
-        sides = ((one.technique, one.settings), (other.technique, other.settings))
-        return distance_figures(maps), distance_pictures(self._view, sides, maps, self._distance_limit)
+        specs = (self._spec_of(one), self._spec_of(other))
+        return distance_figures(maps), distance_pictures(specs, self._view, maps, self._distance_limit)
 
     def _converge(self, found: list[Convergence]) -> Iterator[tuple[float, str]]:
-        able = [s for s in self._sides if study(technique(s.technique), self._view.volume) is not None]
+        able = [s for s in self._sides if study(technique(s.technique), self._volume) is not None]
         for i, side in enumerate(able):
             words = f"drawing for the convergence of {side.name}"
             yield i / len(able), words
-            run = ConvergenceRun(self._view, side.name, side.technique, side.own_values)
+            run = ConvergenceRun(self._spec, self._view, side.name, side.technique, side.own_values)
             for fraction in run.steps():
                 yield (i + fraction) / len(able), words
             if run.result is not None:
@@ -250,7 +261,7 @@ class ComparisonRun:
         infos = [technique(ident) for ident in dict.fromkeys(side.technique for side in self._sides)]
         if not self._convergence:
             return ()
-        return tuple(why_not(info) for info in infos if study(info, self._view.volume) is None)
+        return tuple(why_not(info) for info in infos if study(info, self._volume) is None)
 
     def _comparison(
         self,
@@ -259,14 +270,13 @@ class ComparisonRun:
         orders: tuple[Convergence, ...],
         renderer: str,
     ) -> Comparison:
-        view = self._view
         return Comparison(
             title=self._title,
-            volume=volume_facts(view.volume),
-            view=view_facts(view),
+            volume=volume_facts(self._volume),
+            view=view_facts(self._spec, self._view),
             sides=sides,
             pairs=pairs,
-            transfer_function=view.transfer_function.resolved(view.volume.range).to_dict(),
+            transfer_function=self._function.to_dict(),
             machine=machine_facts(renderer),
             versions=version_facts(),
             convergence=orders,
@@ -289,9 +299,9 @@ def shown_value(parameter: Parameter, value: Any) -> Any:
     return Path(value).name if parameter.kind == "path" and value else value
 
 
-def compare(view: View, sides: Sequence[Side], **options: Any) -> Comparison:
+def compare(spec: RenderSpec, view: View, sides: Sequence[Side], **options: Any) -> Comparison:
     """Compare techniques on one view at once; see `ComparisonRun` for the options."""
-    run = ComparisonRun(view, sides, **options)
+    run = ComparisonRun(spec, view, sides, **options)
     for _ in run.steps():
         pass
     assert run.result is not None
@@ -311,9 +321,10 @@ def volume_facts(volume: Volume) -> dict[str, Any]:
     }
 
 
-def view_facts(view: View) -> dict[str, Any]:
+def view_facts(spec: RenderSpec, view: View) -> dict[str, Any]:
     """Camera, size, light and clipping as plain data."""
-    camera, light = view.camera, view.light
+    camera, light = view.camera, spec.light
+    assert camera is not None
     return {
         "size": view.size,
         "position": camera.position,
@@ -325,6 +336,6 @@ def view_facts(view: View) -> dict[str, Any]:
         "headlight": light.headlight,
         "light_position": None if light.headlight else light.position,
         "light_color": light.color,
-        "crop": view.clipping.crop,
-        "clip_planes": view.clipping.planes,
+        "crop": spec.clipping.crop,
+        "clip_planes": spec.clipping.planes,
     }

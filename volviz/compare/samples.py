@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.registry import technique as technique_info
+from volviz.custom_gl.resolve import resolve
 from volviz.kernels.reference_rays import box_interval, index_limits, plane_interval
-from volviz.kernels.slices import crop_corners
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
+from volviz.model.parameters import setting_values
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
@@ -46,44 +46,32 @@ class RaySamples:
     distance: float
 
 
-def ray_samples(
-    volume: Volume,
-    camera: Camera,
-    size: tuple[int, int],
-    technique: str,
-    settings: Any,
-    clipping: Clipping | None = None,
-) -> RaySamples | None:
+def ray_samples(spec: RenderSpec, view: View) -> RaySamples | None:
     """Samples per ray of a technique that goes along rays; None for the others.
 
     Parameters
     ----------
-    volume, camera, clipping
-        What is seen.
-    size : tuple of 2 ints
-        Width and height of the picture in pixels.
-    technique : str
-        Its id.
-    settings : object
-        With a ``step`` in voxels of the smallest spacing, and perhaps a number of ``slices``.
+    spec : RenderSpec
+        What is drawn, with a setting ``step`` in voxels of the smallest spacing, and perhaps a number of ``slices``.
+    view : View
+        With a camera.
     """
-    view_slices = technique_info(technique).view_slices
-    if not hasattr(settings, "step"):
+    shown, camera = resolve(spec), view.camera
+    values = setting_values(shown.settings)
+    if "step" not in values or camera is None:
         return None
-    clipping = clipping or Clipping()
-    starts, directions = camera_rays(camera, size)
-    lengths = _lengths(volume, starts, directions, clipping)
+    starts, directions = camera_rays(camera, view.size)
+    lengths = _lengths(shown.volume, starts, directions, shown.clipping)
     met = lengths > 0
-    distance = float(settings.step) * min(volume.spacing)
-    if view_slices is not None:
-        corners = crop_corners(
-            volume.index_to_world, clipping.crop_within(volume.dimensions), volume.dimensions
-        )
+    distance = shown.common.step * min(shown.volume.spacing)
+    if shown.info.view_slices is not None:
         forward = np.asarray(camera.direction)
-        low, high, number = view_slices(settings, corners, forward, distance)
+        # slices reach a little beyond the box: where the step divides its depth, that is not a sample more
+        distance *= 1.0 + 1e-6
+        low, high, number = shown.info.view_slices(shown.settings, shown.box_corners, forward, distance)
         distance = (high - low) / number
         counts = lengths * np.abs(directions @ forward) / distance
-    elif getattr(settings, "slices", None) is not None:
+    elif values.get("slices") is not None:
         # their direction depends on the light
         return None
     else:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
-from volviz.compare.matching import differences, follow, in_words
+from volviz.compare.matching import differences, follow
 from volviz.custom_gl.registry import are_counterparts
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import SettingError
-from volviz.model.parameters import Parameter, make_settings
+from volviz.model.parameters import make_settings, setting_values
 from volviz.model.scene import Scene
 
 
@@ -20,8 +19,8 @@ def match_second(scene: Scene, first: int, second: int) -> Scene:
     (VTK's mappers), the other one follows.
     """
     ours, theirs = current_technique(scene, first), current_technique(scene, second)
-    given = follow(ours.id, _values(scene, first), theirs.id)
-    values = _values(scene, second)
+    given = follow(ours.id, setting_values(current_settings(scene, first)), theirs.id)
+    values = setting_values(current_settings(scene, second))
     for parameter in theirs.parameters:
         if parameter.name in given:
             try:
@@ -51,7 +50,7 @@ def setting_differences(scene: Scene, first: int, second: int) -> list[str]:
         if name in parameters[1]:
             a, b = (getattr(values, name) for values in settings)
             if a != b:
-                sentences.append(f"{parameter.label}: {_value(parameter, a)} and {_value(parameter, b)}.")
+                sentences.append(f"{parameter.label}: {parameter.words(a)} and {parameter.words(b)}.")
     told = differences(infos[0].id, settings[0], infos[1].id, settings[1], light=scene.light)
     for info in infos:
         told = [re.sub(rf"\b{info.id}\b", info.label, sentence) for sentence in told]
@@ -62,20 +61,6 @@ def setting_differences(scene: Scene, first: int, second: int) -> list[str]:
         for name, parameter in parameters[side].items():
             value = getattr(settings[side], name)
             if name not in parameters[1 - side] and value != parameter.default:
-                words = f"{parameter.label} of {infos[side].label}: {_value(parameter, value)}"
+                words = f"{parameter.label} of {infos[side].label}: {parameter.words(value)}"
                 sentences.append(f"{words}; the other has no such setting.")
     return sentences
-
-
-def _values(scene: Scene, view: int) -> dict[str, Any]:
-    settings = current_settings(scene, view)
-    return {p.name: getattr(settings, p.name) for p in current_technique(scene, view).parameters}
-
-
-def _value(parameter: Parameter, value: Any) -> str:
-    labels = dict(parameter.choices or ())
-    if value in labels:
-        return str(labels[value])
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    return f"{in_words(value)} {parameter.unit or ''}".strip()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,9 @@ import numpy as np
 from volviz.errors import InputError
 
 if TYPE_CHECKING:
-    from volviz.compare.stage import Stage
+    from volviz.model.camera import Camera
+    from volviz.model.render_spec import RenderSpec, View
+    from volviz.renderer import Renderer
 
 #: Draws frame i of a side and gives the seconds it took, on the wall clock or as (wall clock, GPU clock).
 Draw = Callable[[int], "float | tuple[float, float]"]
@@ -196,22 +198,52 @@ def time_frames(
     return timer.times
 
 
-def stage_timer(
-    stages: Mapping[str, Stage], rounds: int = 7, warm_up: int = 1, patience: float | None = None
+@dataclass(frozen=True)
+class Drawn:
+    """One side whose frames are timed: a renderer of its own, and what that draws.
+
+    Attributes
+    ----------
+    renderer : Renderer
+    spec : RenderSpec
+    view : View
+        With a camera.
+    first_seconds : float
+        Wall time of the first frame in the open window: uploads, shaders, extraction of meshes.
+    """
+
+    renderer: Renderer
+    spec: RenderSpec
+    view: View
+    first_seconds: float
+
+    @classmethod
+    def first(cls, renderer: Renderer, spec: RenderSpec, view: View) -> Drawn:
+        """Draw the first frame; the window itself and its OpenGL context are not what is compared."""
+        seconds, _ = renderer.timed(spec, view)
+        return cls(renderer, spec, view, seconds)
+
+    def draw(self, frame: int) -> float | tuple[float, float]:
+        """Draw a frame from a slightly turned camera; the GPU's clock is told where it counts."""
+        assert self.view.camera is not None
+        seconds, gpu = self.renderer.timed(
+            self.spec, replace(self.view, camera=nudged(self.view.camera, frame))
+        )
+        return seconds if gpu is None else (seconds, gpu)
+
+
+def frame_timer(
+    sides: Mapping[str, Drawn], rounds: int = 7, warm_up: int = 1, patience: float | None = None
 ) -> FrameTimer:
-    """A timer of off-screen stages, each frame from a slightly turned camera; the GPU's clock where it counts."""
-    return FrameTimer(
-        {name: _draw_of(stage) for name, stage in stages.items()},
-        rounds,
-        warm_up,
-        patience,
-        {name: stage.first_seconds for name, stage in stages.items()},
-    )
+    """A timer of off-screen renderers, each frame from a slightly turned camera."""
+    draws = {name: side.draw for name, side in sides.items()}
+    return FrameTimer(draws, rounds, warm_up, patience, {n: side.first_seconds for n, side in sides.items()})
 
 
-def _draw_of(stage: Stage) -> Draw:
-    from volviz.compare.stage import nudged
+def nudged(camera: Camera, frame: int) -> Camera:
+    """The camera of a frame while times are taken: turned by little, never the same twice running.
 
-    if stage.is_software:
-        return lambda frame: stage.draw(nudged(stage.view.camera, frame))
-    return lambda frame: stage.draw_on_gpu_clock(nudged(stage.view.camera, frame))
+    Half a degree to the right, to the left, a degree to the right and so on, so that all frames together look
+    from where the picture does.
+    """
+    return camera.turned(0.5 * (1 + frame // 2) * (1 if frame % 2 else -1))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.settings import common_settings
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
 from volviz.model.transfer_function import TransferFunction, table_size
@@ -99,7 +100,7 @@ def sampled_rays(scene: OracleScene, settings: Any) -> Float64Array:
         attenuation=settings.attenuation, shading=lit if settings.shading else None,
         gradient_opacity=settings.gradient_opacity, gradient_reference=0.25 * (high - low) / scene.mean_spacing,
         interpolation=settings.interpolation, density_threshold=settings.density_threshold,
-        preintegrated=settings.mode == "composite" and getattr(settings, "preintegrated", False),
+        preintegrated=settings.mode == "composite" and common_settings(settings).preintegrated,
     )  # fmt: skip
 
 

@@ -210,8 +210,8 @@ def checked_surface_colors(info: TechniqueInfo, colors: Any) -> SurfaceColors | 
         )
     if not isinstance(colors, SurfaceColors):
         raise InputError(
-            f"surface_colors must be SurfaceColors here, got {type(colors).__name__}; volviz.Renderer computes "
-            "distances itself."
+            f"surface_colors must be SurfaceColors, got {type(colors).__name__}; "
+            "volviz.compare.distance_colors.colors_of measures distances."
         )
     return colors
 

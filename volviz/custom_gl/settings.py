@@ -222,7 +222,8 @@ class CommonSettings:
     """What the parts that all techniques share read of a technique's settings.
 
     A setting of one of these names means the same in every technique; a technique without it has the value that
-    stands here. The fields are described in `SamplingSettings`, `ShadingSettings` and `PreintegrationSettings`.
+    stands here. The fields are described in `SamplingSettings`, `ShadingSettings` and `PreintegrationSettings`;
+    `display` says whether the picture or what stands behind it is shown ("image", "both", ...).
     """
 
     mode: str = "composite"
@@ -243,6 +244,7 @@ class CommonSettings:
     shininess: float = 30.0
     gradient_delta: float = 1.0
     gradient_opacity: float = 0.0
+    display: str = "image"
 
 
 def common_settings(settings: Any) -> CommonSettings:

@@ -280,15 +280,9 @@ class Frame:
     tasks : Tasks
         Where the technique has its work done that takes longer than a turn of an event loop; closed when the
         technique is released. Each task that ends asks for another frame.
-    filter_triangles : callable or None
-        Smooths and decimates triangles (VTK's filters); may be called on any thread, see
-        `volviz.custom_gl.host.mesh_filters.filter_triangles`.
     surface_colors : SurfaceColors or None
         Values of the surface that are to be seen instead of its own colours, where the technique can
         (`TechniqueInfo.colors_surface`).
-    read_triangles : callable or None
-        Reads the surface in a mesh file (VTK's readers); may be called on any thread, see
-        `volviz.custom_gl.host.mesh_reading.read_triangles`.
     """
 
     gpu: Gpu
@@ -316,8 +310,6 @@ class Frame:
     tiles: tuple[Tile, ...]
     uniforms: dict[str, Any]
     tasks: Tasks
-    filter_triangles: Callable[..., Any] | None = None
-    read_triangles: Callable[..., Any] | None = None
     surface_colors: SurfaceColors | None = None
 
     @property

@@ -106,7 +106,7 @@ class Parameter:
     def parse(self, text: str) -> Any:
         """The value written as `text` after ``--set name=``: numbers, ``true``, ``none``, lists."""
         text = text.strip()
-        if self.optional and text.lower() in ("none", "auto", ""):
+        if self.optional and text.lower() in ("none", "auto", "automatic", ""):
             return None
         if self.kind in ("choice", "path"):
             return self.checked(text)
@@ -131,6 +131,15 @@ class Parameter:
         if self.kind == "colors":
             return self.checked(numbers)
         return self.checked(numbers[0])
+
+    def words(self, value: Any) -> str:
+        """A value for people: the label of a choice, on or off, numbers of six digits with their unit."""
+        labels = dict(self.choices)
+        if value in labels:
+            return labels[value]
+        if isinstance(value, bool):
+            return "on" if value else "off"
+        return f"{value_text(value, 6)} {self.unit}".strip()
 
     # ------------------------------------------------------------------ one check per kind
 
@@ -254,6 +263,29 @@ def _described(settings: Hashable) -> tuple[Parameter, ...]:
 def parameters_of(settings: type[Any]) -> tuple[Parameter, ...]:
     """The described settings of a settings class, in the order of its fields."""
     return _described(cast(Hashable, settings))
+
+
+def value_text(value: Any, digits: int | None = None) -> str:
+    """The value of a setting as `Parameter.parse` reads it; floats with so many digits, or with all that they have."""
+    if value is None:
+        return "automatic"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and digits is not None:
+        return f"{value:.{digits}g}"
+    if not isinstance(value, tuple | list):
+        return str(value)
+    if not value:
+        return "none"
+    separator = "; " if isinstance(value[0], tuple | list) else ","
+    return separator.join(value_text(_flat(item), digits) for item in value)
+
+
+def _flat(value: Any) -> Any:
+    """A plane, origin and normal, as six numbers; everything else as it is."""
+    if isinstance(value, tuple | list) and value and isinstance(value[0], tuple | list):
+        return [number for part in value for number in part]
+    return value
 
 
 def setting_values(settings: Any) -> dict[str, Any]:

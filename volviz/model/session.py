@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
@@ -19,7 +19,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import MOST_VIEWS, Comparison
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.light import Light
-from volviz.model.parameters import make_settings, parameters_of
+from volviz.model.parameters import make_settings, parameters_of, setting_values
 from volviz.model.scene import Scene, SceneView
 from volviz.model.transfer_function import TransferFunction
 from volviz.volume_data.references import VolumeRef
@@ -151,10 +151,7 @@ def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
 
 
 def _view_to_dict(view: SceneView) -> dict[str, Any]:
-    settings = {
-        technique: {p.name: getattr(values, p.name) for p in parameters_of(cast("Any", type(values)))}
-        for technique, values in view.settings
-    }
+    settings = {technique: setting_values(values) for technique, values in view.settings}
     camera = None if view.camera is None else dataclasses.asdict(view.camera)
     return {"technique": view.technique, "settings": settings, "camera": camera}
 

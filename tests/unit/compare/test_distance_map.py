@@ -34,7 +34,7 @@ def vtk_distances(points: np.ndarray, mesh: Mesh) -> np.ndarray:
     """Signed distances by vtkImplicitPolyDataDistance."""
     from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 
-    from volviz.mesh import polydata
+    from volviz.meshes.polydata import polydata
 
     implicit = vtkImplicitPolyDataDistance()
     implicit.SetInput(polydata(mesh[0].astype(float), mesh[1]))

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
-from volviz.custom_gl.settings import SharedSettings
 from volviz.model.camera import Camera
 from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
-from volviz.model.parameters import Parameter, parameters_of
+from volviz.model.parameters import setting_values, value_text
 from volviz.model.scene import Scene
 
 
@@ -40,10 +39,10 @@ def compare_arguments(
     for view in range(len(scene.views)):
         info, settings = current_technique(scene, view), current_settings(scene, view)
         parts = [info.id]
-        for parameter in info.parameters:
-            value = getattr(settings, parameter.name)
-            if value != parameter.default:
-                parts.append(f"{parameter.name}={setting_text(parameter, value)}")
+        values = setting_values(settings)
+        parts += [
+            f"{p.name}={value_text(values[p.name])}" for p in info.parameters if values[p.name] != p.default
+        ]
         words += ["-t", ":".join(parts)]
     for text in shared_texts(scene):
         words += ["--set", text]
@@ -61,24 +60,8 @@ def compare_arguments(
     return [*words, "-o", output]
 
 
-def setting_text(parameter: Parameter, value: Any) -> str:
-    """A value as `Parameter.parse` reads it, without losing a digit."""
-    if value is None:
-        return "none"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, float, str)):
-        return str(value)
-    if parameter.kind == "planes":
-        return ";".join(_numbers((*origin, *normal)) for origin, normal in value)
-    if parameter.kind == "colors":
-        return ";".join(_numbers(color) for color in value)
-    return _numbers(value)
-
-
 def shared_texts(scene: Scene) -> list[str]:
     """Light, crop box and clip planes as ``name=value``."""
-    described = {p.name: p for p in parameters_of(SharedSettings)}
     light, clipping = scene.light, scene.clipping
     values: dict[str, Any] = {}
     if light.position is not None:
@@ -90,7 +73,7 @@ def shared_texts(scene: Scene) -> list[str]:
         values["crop"] = clipping.crop
     if clipping.planes:
         values["clip_planes"] = clipping.planes
-    return [f"{name}={setting_text(described[name], value)}" for name, value in values.items()]
+    return [f"{name}={value_text(value)}" for name, value in values.items()]
 
 
 def camera_words(camera: Camera) -> list[str]:
@@ -101,7 +84,7 @@ def camera_words(camera: Camera) -> list[str]:
         position = tuple(  # type: ignore[assignment]
             f - distance * d for f, d in zip(camera.focal_point, camera.direction, strict=True)
         )
-    numbers = _numbers((*position, *camera.focal_point, *camera.view_up))
+    numbers = value_text((*position, *camera.focal_point, *camera.view_up))
     words = [f"--camera={numbers}", f"--view-angle={camera.view_angle!r}"]
     return [*words, "--parallel"] if camera.parallel else words
 
@@ -121,7 +104,3 @@ def input_words(layer: ImageLayer) -> list[str]:
 def function_name(output: Path) -> str:
     """Name of the file with the transfer function beside a report, so that its command works again."""
     return f"{output.stem}.transfer-function.json"
-
-
-def _numbers(values: Any) -> str:
-    return ",".join(repr(float(value)) for value in values)

@@ -28,6 +28,7 @@ from PySide6.QtWidgets import (
 
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.parameters import setting_values
 from volviz.model.volume import Volume
 from volviz_ui.binding import show_value
 from volviz_ui.dialogs.error import show_error
@@ -262,16 +263,12 @@ class CrosscheckPanel(QWidget):
 
 def _shown_surface(shown: LoadedScene) -> tuple[float | None, str]:
     """Isovalue (None without a volume) and method of the surface that the technique shows."""
-    scene, volume = shown.scene, shown.volume
-    settings = current_settings(scene)
-    value = getattr(settings, "isovalue", None)
-    if value is None:
-        value = next(iter(getattr(settings, "isovalues", None) or ()), None)
-    if value is None and volume is not None:
-        value = auto_isovalue(volume)
-    info = current_technique(scene)
+    info, values = current_technique(shown.scene), setting_values(current_settings(shown.scene))
+    value = values.get(info.isovalue_setting)
+    if value is None and shown.volume is not None:
+        value = auto_isovalue(shown.volume)
     own = info.extraction if info.kind == "image" else ""
-    return value, str(getattr(settings, "method", own)) or "lorensen"
+    return value[0] if isinstance(value, tuple) else value, str(values.get("method", own)) or "lorensen"
 
 
 def table_rows(report: CrosscheckReport) -> list[tuple[str, list[str]]]:

@@ -11,11 +11,11 @@ from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
 from volviz.compare.pictures import PictureMetrics, compare_pictures, similarity_picture, ssim_map
 from volviz.compare.samples import RaySamples, ray_samples
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
+from volviz.custom_gl.resolve import resolve
 from volviz.custom_gl.technique import surface_settings
 from volviz.kernels.mesh_metrics import MeshMetrics, mesh_metrics
-from volviz.model.camera import Camera
-from volviz.model.clipping import Clipping
-from volviz.model.parameters import parameters_of
+from volviz.model.parameters import setting_values
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.volume import Volume
 from volviz_ui.views.difference_picture import Bytes
 
@@ -24,10 +24,9 @@ MESHES_KEPT = 4
 
 @dataclass(frozen=True)
 class Side:
-    """A view as it was drawn: technique id, its settings, the picture (H, W, 3) as it would be exported."""
+    """A view as it was drawn: what it shows, and the picture (H, W, 3) as it would be exported."""
 
-    technique: str
-    settings: Any
+    spec: RenderSpec
     picture: Bytes
 
 
@@ -84,16 +83,15 @@ class MeshStore:
         with self._lock:
             if key in self._drawn:
                 return self._drawn[key]
-            values = {p.name: getattr(settings, p.name) for p in parameters_of(type(settings))}
-            mesh = drawn_mesh(volume, technique, values, cancel=cancel)
+            mesh = drawn_mesh(volume, technique, setting_values(settings), cancel=cancel)
             return _keep(self._drawn, key, mesh, MESHES_KEPT)
 
     def mesh(self, volume: Volume, side: Side) -> tuple[Mesh, MeshMetrics] | None:
         """The mesh of a side without vertices at one place, and its figures; None when it draws none."""
-        key = mesh_key(volume, side.technique, side.settings)
+        key = mesh_key(volume, side.spec.technique, side.spec.settings)
         if key in self._measured:
             return self._measured[key]
-        drawn = self.drawn(volume, side.technique, side.settings)
+        drawn = self.drawn(volume, side.spec.technique, side.spec.settings)
         made = None if drawn is None else cleaned(drawn)
         return _keep(self._measured, key, None if made is None else (made, mesh_metrics(*made)), MESHES_KEPT)
 
@@ -103,7 +101,7 @@ class MeshStore:
         """How far two meshes lie apart, None when one is empty."""
         if not len(meshes[0][1]) or not len(meshes[1][1]):
             return None
-        key = tuple(mesh_key(volume, side.technique, side.settings) for side in sides)
+        key = tuple(mesh_key(volume, side.spec.technique, side.spec.settings) for side in sides)
         found = self._distances.get(key)
         return found if found is not None else _keep(self._distances, key, surface_distance(*meshes), 1)
 
@@ -123,9 +121,7 @@ def _keep(kept: dict[Any, Any], key: Any, value: Any, most: int) -> Any:
 
 def pair_figures(
     sides: tuple[Side, Side],
-    volume: Volume,
-    camera: Camera,
-    clipping: Clipping,
+    view: View,
     store: MeshStore,
     check: Callable[[], None],
 ) -> PairFigures:
@@ -133,6 +129,10 @@ def pair_figures(
 
     Parameters
     ----------
+    sides : tuple of 2 Side
+        Whose layers hold the volume itself.
+    view : View
+        Of the pictures.
     check : callable
         Called between the parts; raises when nobody waits for the figures any more.
     """
@@ -141,11 +141,8 @@ def pair_figures(
     check()
     similarity = similarity_picture(ssim_map(first.picture, second.picture))
     check()
-    height, width = first.picture.shape[:2]
-    samples = [
-        ray_samples(volume, camera, (width, height), side.technique, side.settings, clipping)
-        for side in sides
-    ]
+    samples = [ray_samples(side.spec, view) for side in sides]
+    volume = resolve(first.spec).volume
     meshes = []
     for side in sides:
         check()

@@ -7,8 +7,10 @@ from typing import Any
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.compare.settings_match import match_second, setting_differences
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.arguments import changed_spec
+from volviz.custom_gl.scene_techniques import current_technique, render_spec
 from volviz.errors import Cancelled
+from volviz.model.render_spec import View
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
@@ -103,17 +105,18 @@ class Measurements(QObject):
         if pictures[0].shape != pictures[1].shape:
             return
         sides = [
-            Side(current_technique(scene, pane.view).id, current_settings(scene, pane.view), picture)
+            Side(changed_spec(render_spec(scene, pane.view), volume=volume), picture)
             for pane, picture in zip(pair, pictures, strict=True)
         ]
-        camera, clipping, meshes = scene.view.camera, scene.clipping, self.meshes
+        height, width = pictures[0].shape[:2]
+        view, meshes = View(scene.view.camera, (width, height)), self.meshes
 
         def work(task: Task) -> PairFigures:
             def check() -> None:
                 if task.is_cancelled:
                     raise Cancelled("The measurement was cancelled.")
 
-            return pair_figures((sides[0], sides[1]), volume, camera, clipping, meshes, check)
+            return pair_figures((sides[0], sides[1]), view, meshes, check)
 
         self.state_changed.emit(self.tr("Measuring…"))
         task = self._workers.start(work, label=self.tr("Measure"), key="compare")

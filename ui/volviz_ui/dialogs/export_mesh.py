@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz.mesh_files import FORMAT_NAMES, check_mesh_target, save_mesh
+from volviz.meshes.files import FORMAT_NAMES, check_mesh_target, save_mesh
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import CalmComboBox
 from volviz_ui.surface import SurfaceFacts

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from PySide6.QtCore import QObject, QPointF, QTimer, Signal
 
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.arguments import changed_spec
+from volviz.custom_gl.scene_techniques import render_spec
+from volviz.custom_gl.settings import common_settings
 from volviz.errors import VolvizError
-from volviz.model.clipping import Clipping
-from volviz.model.light import Light
-from volviz.model.transfer_function import TransferFunction
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.volume import Volume
 from volviz.ray_inspection import RayInspection, inspect_ray
 from volviz_ui.documents import Documents
@@ -29,37 +28,25 @@ SHORT_RAY = 4000
 """Up to so many samples are computed at once, longer rays on a worker."""
 
 
-class _Wanted(NamedTuple):
+class _Request(NamedTuple):
     """Everything that decides what the ray gathers; compared before anything is computed."""
 
+    spec: RenderSpec
     volume: Volume
-    technique: str
-    settings: Any
-    function: TransferFunction
-    light: Light
-    clipping: Clipping
-    view: bytes
-    projection: bytes
-    size: tuple[int, int]
+    view: View
     pixel: tuple[int, int]
     depth: float | None
 
     def inspected(self) -> RayInspection:
         """Follow the ray; from any thread."""
-        return inspect_ray(
-            self.volume, self.technique, self.settings, self.function,
-            view=np.frombuffer(self.view).reshape(4, 4),
-            projection=np.frombuffer(self.projection).reshape(4, 4),
-            size=self.size, pixel=self.pixel, light=self.light, clipping=self.clipping, depth=self.depth,
-        )  # fmt: skip
+        return inspect_ray(self.spec, self.view, self.pixel, depth=self.depth)
 
-
-def _is_short(wanted: _Wanted) -> bool:
-    """Whether the ray takes a few milliseconds only, less than a worker may keep one waiting."""
-    if getattr(wanted.settings, "preintegrated", False):
-        return False
-    step = float(getattr(wanted.settings, "step", 0.5)) * min(wanted.volume.spacing)
-    return float(np.linalg.norm(wanted.volume.extent)) / step < SHORT_RAY
+    @property
+    def is_short(self) -> bool:
+        """Whether the ray takes a few milliseconds only, less than a worker may keep one waiting."""
+        common = common_settings(self.spec.settings)
+        step = common.step * min(self.volume.spacing)
+        return not common.preintegrated and float(np.linalg.norm(self.volume.extent)) / step < SHORT_RAY
 
 
 class RayInspector(QObject):
@@ -94,8 +81,8 @@ class RayInspector(QObject):
         self._views, self.panel = views, panel
         self.place: tuple[float, float] | None = None
         self.is_active = False
-        self._shown: _Wanted | None = None
-        self._working: _Wanted | None = None
+        self._shown: _Request | None = None
+        self._working: _Request | None = None
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.setInterval(FOLLOW_MS)
@@ -161,26 +148,20 @@ class RayInspector(QObject):
         if self.is_active and self.place is not None and not self._timer.isActive():
             self._timer.start()
 
-    def _wanted(self) -> _Wanted | None:
+    def _wanted(self) -> _Request | None:
         scene, volume = self._documents.shown.scene, self._documents.volume
         if self.place is None or volume is None or scene.layer is None:
             return None
         pane = self._views.active
         width, height = size = pane.viewport.pixel_size
         pixel = (min(int(self.place[0] * width), width - 1), min(int(self.place[1] * height), height - 1))
-        view, projection = _matrices(pane.viewport.renderer)
-        return _Wanted(
-            volume=volume,
-            technique=current_technique(scene, pane.view).id,
-            settings=current_settings(scene, pane.view),
-            function=scene.layer.transfer_function,
-            light=scene.light,
-            clipping=scene.clipping,
-            view=view.tobytes(),
-            projection=projection.tobytes(),
-            size=size,
-            pixel=pixel,
-            depth=pane.display.opaque_depth(*pixel),
+        camera = pane.viewport.renderer.GetActiveCamera()
+        return _Request(
+            changed_spec(render_spec(scene, pane.view), volume=volume),
+            volume,
+            View(pane.viewport.view_camera, size, clipping_range=camera.GetClippingRange()),
+            pixel,
+            pane.display.opaque_depth(*pixel),
         )
 
     def _follow(self) -> None:
@@ -194,7 +175,7 @@ class RayInspector(QObject):
             return
         if wanted == self._shown:
             return
-        if _is_short(wanted):
+        if wanted.is_short:
             self._show(wanted, wanted.inspected)
             return
         self._working = wanted
@@ -208,7 +189,7 @@ class RayInspector(QObject):
         if wanted is not None and self.is_active and self.place is not None:
             self._show(wanted, lambda: found)
 
-    def _show(self, wanted: _Wanted, inspect: Callable[[], RayInspection]) -> None:
+    def _show(self, wanted: _Request, inspect: Callable[[], RayInspection]) -> None:
         self._shown = wanted
         try:
             found = inspect()
@@ -220,7 +201,7 @@ class RayInspector(QObject):
         self.panel.show_pixel(found.pixel)
         self.panel.show_ray(found, volume.unit, length_unit, volume.range)
         self._views.show_ray_mark(
-            ((found.pixel[0] + 0.5) / wanted.size[0], 1.0 - (found.pixel[1] + 0.5) / wanted.size[1])
+            ((found.pixel[0] + 0.5) / wanted.view.size[0], 1.0 - (found.pixel[1] + 0.5) / wanted.view.size[1])
         )
         self._show_sample(self.panel.plot.chosen)
 
@@ -245,14 +226,3 @@ class RayInspector(QObject):
             return
         is_there = 0 <= index < len(found.profile.values)
         self.value_pointed.emit(float(found.profile.values[index]) if is_there else None)
-
-
-def _matrices(renderer: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """View and projection matrices of the picture."""
-    camera = renderer.GetActiveCamera()
-    view = camera.GetModelViewTransformMatrix()
-    projection = camera.GetProjectionTransformMatrix(renderer.GetTiledAspectRatio(), -1, 1)
-    return (
-        np.array([view.GetElement(i, j) for i in range(4) for j in range(4)]),
-        np.array([projection.GetElement(i, j) for i in range(4) for j in range(4)]),
-    )

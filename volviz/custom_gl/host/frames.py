@@ -11,8 +11,6 @@ from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.host.accumulation import jittered_camera
 from volviz.custom_gl.host.frame_uniforms import box_tiles, level_of_detail, shared_uniforms
-from volviz.custom_gl.host.mesh_filters import filter_triangles
-from volviz.custom_gl.host.mesh_reading import read_triangles
 from volviz.custom_gl.host.no_textures import NoTextures
 from volviz.custom_gl.host.pacing import FULL, Level
 from volviz.custom_gl.host.renderer_view import RendererView
@@ -92,8 +90,6 @@ def make_frame(
         tiles=(),
         uniforms={},
         tasks=tasks,
-        filter_triangles=filter_triangles,
-        read_triangles=read_triangles,
         surface_colors=shown.surface_colors,
     )
     frame.level = level_of_detail(frame)

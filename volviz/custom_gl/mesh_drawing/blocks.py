@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.context import Gpu
     from volviz.custom_gl.gpu.programs import Program
-    from volviz.custom_gl.mesh_drawing.store import ReadyMesh
+    from volviz.custom_gl.mesh_drawing.mesh import ReadyMesh
     from volviz.custom_gl.mesh_drawing.values import MeshValues
 
 #: Triangles of a block: 5 to 10 ms on software OpenGL. Larger blocks take longer *per triangle* there.

@@ -152,6 +152,17 @@ class MeshSettings:
         minimum=1.0, maximum=1000.0, logarithmic=True, enabled_by=_LIT,
     )  # fmt: skip
 
+    @property
+    def extraction_options(self) -> dict[str, Any]:
+        """What the settings say of the extraction, as keywords of `volviz.meshes.extraction.extract_triangles`."""
+        return {
+            "stride": int(self.stride),
+            "largest_part": self.parts == "largest",
+            "min_triangles": self.part_triangles if self.parts == "large" else 0,
+            "smoothing": self.smoothing,
+            "decimation": self.decimation,
+        }
+
 
 #: Values of the well-known teaching program: every second voxel of 256^3 bytes, normal as colour.
 CLASSIC: Mapping[str, Any] = {"isovalue": 48.0, "stride": 2, "color_by": "normal"}

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.mesh_drawing.blocks import MeshBlocks
-from volviz.custom_gl.mesh_drawing.store import MeshWish, ReadyMesh, extracted
+from volviz.custom_gl.mesh_drawing.mesh import MeshRequest, ReadyMesh, extracted
 from volviz.custom_gl.mesh_drawing.values import MeshValues, ValueColors
 from volviz.custom_gl.shader_source import GLSL
 from volviz.tasks import LatestResult
@@ -73,14 +73,14 @@ class MeshTechnique:
     least_resolution = 0.375
 
     def __init__(self) -> None:
-        self._full: LatestResult[MeshWish, ReadyMesh] = LatestResult("mesh")
+        self._full: LatestResult[MeshRequest, ReadyMesh] = LatestResult("mesh")
         # those of neighbouring strides are at hand when time gets short, and again when it does not
-        self._stand_in: LatestResult[MeshWish, ReadyMesh] = LatestResult(
+        self._stand_in: LatestResult[MeshRequest, ReadyMesh] = LatestResult(
             "coarse mesh", keeps=STAND_INS, cancels=False
         )
         self._shown = {False: _Shown(1), True: _Shown(STAND_INS)}
         self._values = ValueColors()
-        self._known: MeshWish | None = None
+        self._known: MeshRequest | None = None
         self._known_triangles = 0
 
     def method(self, settings: Any) -> str:
@@ -96,8 +96,8 @@ class MeshTechnique:
 
     def plan(self, frame: Frame) -> int:
         """One chunk per block of triangles; 0 while the mesh is being extracted."""
-        wish = self._wish(frame)
-        mesh = self._stand_in_for(frame, wish) if frame.interactive else _made(self._full, frame, wish)
+        request = self._request(frame)
+        mesh = self._stand_in_for(frame, request) if frame.interactive else _made(self._full, frame, request)
         if mesh is None:
             return 0
         if not frame.interactive:
@@ -105,7 +105,7 @@ class MeshTechnique:
         values = None
         if frame.surface_colors is not None and mesh.triangles:
             # the surface of before must not get the colours of this one
-            if (mesh.wish.isovalue, mesh.wish.method) == (wish.isovalue, wish.method):
+            if (mesh.request.isovalue, mesh.request.method) == (request.isovalue, request.method):
                 values = self._values_of(frame, mesh, frame.surface_colors.values)
             if values is None:
                 return 0
@@ -118,44 +118,37 @@ class MeshTechnique:
         )
         return self._values.get(frame.tasks, mesh, values, stand_in=frame.settings.wireframe or not fits)
 
-    def _wish(self, frame: Frame) -> MeshWish:
-        settings, volume = frame.settings, frame.volume
-        return MeshWish(
-            volume,
-            frame.isovalues[0],
-            self.method(settings),
-            int(settings.stride),
-            largest_part=settings.parts == "largest",
-            min_triangles=settings.part_triangles if settings.parts == "large" else 0,
-            smoothing=settings.smoothing,
-            decimation=settings.decimation,
+    def _request(self, frame: Frame) -> MeshRequest:
+        settings = frame.settings
+        return MeshRequest(
+            frame.volume, frame.isovalues[0], self.method(settings), **settings.extraction_options
         )
 
-    def _stand_in_for(self, frame: Frame, wish: MeshWish) -> ReadyMesh | None:
+    def _stand_in_for(self, frame: Frame, request: MeshRequest) -> ReadyMesh | None:
         """A mesh that is drawn quickly: of this isovalue if possible, else the last one."""
         limit = _moving_triangles(frame)
-        full = self._full.held(wish)
+        full = self._full.held(request)
         if full is not None and full.triangles <= limit:
             return full
-        coarse = wish.coarser(self._coarser(wish, limit))
+        coarse = request.coarser(self._coarser(request, limit))
         mesh = _made(self._stand_in, frame, coarse)
         if mesh is not None:
             self._note(mesh)
             return mesh
         last = self._stand_in.last
-        return last if last is not None and last.wish.volume is wish.volume else None
+        return last if last is not None and last.request.volume is request.volume else None
 
     def _note(self, mesh: ReadyMesh) -> None:
         """Remember how many triangles a stride gives, to choose that of the next stand-in."""
-        self._known, self._known_triangles = mesh.wish, mesh.triangles
+        self._known, self._known_triangles = mesh.request, mesh.triangles
 
-    def _coarser(self, wish: MeshWish, limit: int) -> int:
+    def _coarser(self, request: MeshRequest, limit: int) -> int:
         known = self._known
-        if known is None or known.volume is not wish.volume or known.method != wish.method:
+        if known is None or known.volume is not request.volume or known.method != request.method:
             return FIRST_COARSER
         for factor in COARSER:
             # a surface: the number of triangles falls with the square of the stride
-            if self._known_triangles * (known.stride / (wish.stride * factor)) ** 2 <= limit:
+            if self._known_triangles * (known.stride / (request.stride * factor)) ** 2 <= limit:
                 return factor
         return COARSER[-1]
 
@@ -216,10 +209,11 @@ class MeshTechnique:
             meshes.clear()
 
 
-def _made(meshes: LatestResult[MeshWish, ReadyMesh], frame: Frame, wish: MeshWish) -> ReadyMesh | None:
-    """The mesh of a wish, or None while a task makes it."""
-    refine = frame.filter_triangles
-    return meshes.get(frame.tasks, wish, lambda progress, cancel: extracted(wish, refine, progress, cancel))
+def _made(
+    meshes: LatestResult[MeshRequest, ReadyMesh], frame: Frame, request: MeshRequest
+) -> ReadyMesh | None:
+    """The mesh of a request, or None while a task makes it."""
+    return meshes.get(frame.tasks, request, lambda progress, cancel: extracted(request, progress, cancel))
 
 
 def _moving_triangles(frame: Frame) -> int:

@@ -9,8 +9,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.mesh_drawing.store import ReadyMesh
-from volviz.custom_gl.mesh_drawing.world import world_places
+from volviz.custom_gl.mesh_drawing.mesh import ReadyMesh, world_places
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
 from volviz.tasks import LatestResult, Tasks
 

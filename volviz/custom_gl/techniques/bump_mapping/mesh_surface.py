@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from volviz.custom_gl.techniques.bump_mapping.surfaces import VERTEX_FLOATS
 from volviz.kernels.tangents import box_projection, vertex_tangents
+from volviz.meshes.extraction import extract_triangles
 from volviz.model.volume import Volume
 
 
@@ -51,16 +52,10 @@ def isosurface_mesh(
     cancel : callable, optional
         When it returns True the work ends with `Cancelled`.
     """
-    # here, with the first mesh: it imports numba
-    from volviz.kernels.marching import marching_cubes
-
-    middle = np.asarray(volume.center)
     largest = max(2, min(volume.dimensions) - 1)
-    vertices, faces, normals = marching_cubes(
-        volume.finite_array, isovalue, spacing=volume.spacing, origin=tuple(np.subtract(volume.origin, middle)),
-        direction=volume.direction, stride=min(stride, largest), cancel=cancel,
-    )  # fmt: skip
-    assert normals is not None
+    vertices, faces, normals = extract_triangles(
+        volume, isovalue, coordinates="centred", stride=min(stride, largest), cancel=cancel
+    )
     return _projected(vertices, normals, faces, volume)
 
 
@@ -72,7 +67,7 @@ def file_mesh(volume: Volume, triangles: Any, name: str) -> MeshData:
     volume : Volume
         Whose middle positions are relative to, and along whose axes a mesh without texture coordinates is projected.
     triangles : object
-        With the fields vertices, faces, normals, uv: see `volviz.custom_gl.host.mesh_reading.Triangles`.
+        With the fields vertices, faces, normals, uv: see `volviz.meshes.reading.FileTriangles`.
     name : str
         Of the file, for the notice.
     """

@@ -187,13 +187,16 @@ class BumpMapping:
 
     def _wish(self, frame: Frame) -> tuple[Any, Work[MeshData]]:
         """What identifies the mesh that is wanted, and how it is made; neither refers to the frame."""
-        s, volume, read = frame.settings, frame.volume, frame.read_triangles
-        if s.mesh_file and read is not None:
+        s, volume = frame.settings, frame.volume
+        if s.mesh_file:
             file = Path(s.mesh_file).expanduser()
             changed = file.stat().st_mtime_ns if file.is_file() else 0
 
             def from_file(_progress: Any, cancel: Any) -> MeshData:
-                return file_mesh(volume, read(str(file), cancel=cancel), file.name)
+                # here, on a thread that nobody waits for: VTK's readers
+                from volviz.meshes.reading import read_triangles
+
+                return file_mesh(volume, read_triangles(str(file), cancel=cancel), file.name)
 
             return ("mesh", volume, str(file), changed), from_file
         isovalue, stride = frame.isovalues[0], int(s.stride)

@@ -1,4 +1,4 @@
-"""Meshes for VTK: isosurfaces of a volume as ``pyvista.PolyData`` in world units, filters, figures."""
+"""Meshes for VTK: isosurfaces of a volume as ``pyvista.PolyData`` in world units."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy.typing as npt
 
 from volviz import environment
 from volviz.errors import InputError
-from volviz.kernels.marching import keep_components, marching_cubes
-from volviz.kernels.marching.surface import face_normals
-from volviz.mesh_files import MESH_FORMATS, save_mesh
+from volviz.kernels.mesh_metrics import enclosed_volume, surface_area
+from volviz.meshes.extraction import extract_triangles
 
 environment.prepare()
 
@@ -23,15 +22,6 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray  # noqa: E402
 
 if TYPE_CHECKING:
     from volviz.model.volume import Volume
-
-__all__ = [
-    "MESH_FORMATS",
-    "extract_isosurface",
-    "mesh_area_volume",
-    "polydata",
-    "save_mesh",
-    "triangle_arrays",
-]
 
 Array = npt.NDArray[Any]
 
@@ -93,43 +83,25 @@ def extract_isosurface(
         raise InputError(f"smooth must be 0 or a number of iterations, got {smooth}.")
     if not 0.0 <= decimate <= MOST_DECIMATION:
         raise InputError(f"decimate must lie between 0 and {MOST_DECIMATION}, got {decimate}.")
-    filtered = bool(smooth or decimate)
-    # filters take several times as long as the extraction
-    extraction = 0.2 if filtered else 1.0
-    vertices, faces, shading = marching_cubes(
-        volume.finite_array,
+    vertices, faces, shading = extract_triangles(
+        volume,
         isovalue,
-        method=method,
-        spacing=volume.spacing,
-        origin=volume.origin,
-        direction=volume.direction,
+        method,
         stride=stride,
         normals=normals,
         mask=mask,
         bounds=bounds,
         clean=clean,
-        progress=_share(progress, 0.0, extraction),
+        largest_part=largest_part,
+        min_triangles=min_triangles,
+        smoothing=smooth,
+        decimation=decimate,
+        progress=progress,
         cancel=cancel,
     )
-    flat = normals == "flat"
-    if largest_part or min_triangles:
-        vertices, faces, shading = keep_components(
-            vertices, faces, shading, largest_only=largest_part, min_triangles=min_triangles
-        )
-    if filtered and len(faces):
-        rest = _share(progress, extraction, 1.0)
-        mesh = _refined(vertices, faces, smooth, decimate, normals, rest, cancel)
-    else:
-        mesh = polydata(vertices, faces, shading, flat=flat)
+    mesh = polydata(vertices, faces, shading, flat=normals == "flat")
     mesh.field_data["isovalue"] = [float(isovalue)]
     return mesh
-
-
-def _share(
-    progress: Callable[[float], object] | None, begin: float, end: float
-) -> Callable[[float], object] | None:
-    """Progress of a part of the work as progress of all of it."""
-    return None if progress is None else lambda part: progress(begin + (end - begin) * part)
 
 
 def polydata(
@@ -167,27 +139,6 @@ def polydata(
     return mesh
 
 
-def _refined(
-    vertices: Array,
-    faces: Array,
-    smooth: int,
-    decimate: float,
-    normals: str | None,
-    progress: Callable[[float], object] | None,
-    cancel: Callable[[], bool] | None,
-) -> pyvista.PolyData:
-    """Smooth, decimate, and compute normals from what came out."""
-    # here and not above: the host brings moderngl with it, which few meshes need
-    from volviz.custom_gl.host.mesh_filters import filter_triangles
-
-    vertices, faces, shading = filter_triangles(
-        vertices, faces, smoothing=smooth, decimation=decimate, progress=progress, cancel=cancel
-    )
-    if normals == "flat":
-        return polydata(vertices, faces, face_normals(vertices, faces), flat=True)
-    return polydata(vertices, faces, None if normals is None else shading)
-
-
 def mesh_area_volume(mesh: pyvista.PolyData) -> tuple[float, float]:
     """Area, and enclosed volume, of a triangle mesh.
 
@@ -208,8 +159,6 @@ def mesh_area_volume(mesh: pyvista.PolyData) -> tuple[float, float]:
     InputError
         The mesh has other cells than triangles.
     """
-    from volviz.kernels.mesh_metrics import enclosed_volume, surface_area
-
     vertices, faces = triangle_arrays(mesh)
     return surface_area(vertices, faces), enclosed_volume(vertices, faces)
 

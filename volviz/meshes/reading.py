@@ -9,13 +9,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.host.vtk_border import pyvista
+from volviz import environment
 from volviz.errors import Cancelled, LoadError
 from volviz.vtk_messages import vtk_complaints
 
+environment.prepare()
 
-class Triangles(NamedTuple):
-    """A surface of triangles.
+import pyvista  # noqa: E402
+
+
+class FileTriangles(NamedTuple):
+    """The surface in a file.
 
     Attributes
     ----------
@@ -35,7 +39,7 @@ class Triangles(NamedTuple):
     uv: npt.NDArray[np.float64] | None
 
 
-def read_triangles(path: str, *, cancel: Callable[[], bool] | None = None) -> Triangles:
+def read_triangles(path: str, *, cancel: Callable[[], bool] | None = None) -> FileTriangles:
     """The surface in a mesh file: STL, OBJ, PLY, VTK, VTP, VTU, GLB and whatever else PyVista reads.
 
     Parameters
@@ -90,7 +94,7 @@ def read_triangles(path: str, *, cancel: Callable[[], bool] | None = None) -> Tr
         normals = surface.point_data.active_normals
     check()
     uv = surface.active_texture_coordinates
-    return Triangles(
+    return FileTriangles(
         vertices,
         np.asarray(surface.regular_faces, np.int64),
         np.asarray(normals, np.float64),

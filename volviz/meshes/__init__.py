@@ -1,0 +1,1 @@
+"""Triangle meshes: extraction from a volume, filters, figures, files."""
