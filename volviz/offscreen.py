@@ -19,18 +19,19 @@ def finished(
 ) -> npt.NDArray[Any]:
     """A premultiplied float picture over a background (or with straight alpha), as uint8 or float32."""
     alpha = premultiplied[..., 3:]
+    picture = np.empty_like(premultiplied)
     if background is not None:
-        rgb = premultiplied[..., :3] + (1.0 - alpha) * np.asarray(background, np.float32)
-        alpha = np.ones_like(alpha)
+        picture[..., :3] = premultiplied[..., :3] + (1.0 - alpha) * np.asarray(background, np.float32)
+        picture[..., 3] = 1.0
     else:
-        rgb = np.divide(
-            premultiplied[..., :3], alpha, out=np.zeros_like(premultiplied[..., :3]), where=alpha > 1e-6
-        )
-    picture = np.concatenate([rgb, alpha], axis=-1)
+        # where next to nothing is seen, colours become 0
+        np.divide(premultiplied[..., :3], np.where(alpha > 1e-6, alpha, np.inf), out=picture[..., :3])
+        picture[..., 3:] = alpha
     if dtype == "float32":
-        return picture.astype(np.float32)
-    pixels: npt.NDArray[np.uint8] = np.rint(np.clip(picture, 0.0, 1.0) * 255.0).astype(np.uint8)
-    return pixels
+        return picture
+    np.clip(picture, 0.0, 1.0, out=picture)
+    picture *= 255.0
+    return np.rint(picture, out=picture).astype(np.uint8)
 
 
 def apply_camera(target: Any, camera: Camera) -> None:

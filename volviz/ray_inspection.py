@@ -183,9 +183,7 @@ def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
     extinction, extinction_range = None, (low, high)
     regions = function.by_gradient is not None
     if common.mode == "composite" and common.preintegrated and not regions:
-        first, last = function.table_range(volume.range)
-        # as the tables on the GPU: over the whole range, unless outliers would leave it too few entries
-        extinction_range = (first, last) if high - low > 8 * (last - first) else (low, high)
+        extinction_range = function.oracle_range(volume.range)
         table = function.bake(extinction_range, table_size(extinction_range, integer)).astype(np.float64)
         if common.density_threshold > 0:
             values = np.linspace(*extinction_range, len(table))

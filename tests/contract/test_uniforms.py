@@ -160,3 +160,10 @@ def test_every_shader_file_was_looked_at(record: Record) -> None:
     folder = Path(volviz.custom_gl.__file__).parent
     files = {path for kind in ("frag", "vert", "glsl") for path in folder.rglob(f"*.{kind}")}
     assert {path.name for path in files - set(record.declared)} <= {"filter_probe.frag"}
+
+
+def test_no_technique_takes_its_data_from_uniforms() -> None:
+    folder = Path(volviz.custom_gl.__file__).parent
+    sources = [*folder.joinpath("techniques").rglob("*.py"), *folder.joinpath("mesh_drawing").rglob("*.py")]
+    assert len(sources) > 50
+    assert not [path.name for path in sources if "frame.uniforms" in path.read_text(encoding="utf-8")]

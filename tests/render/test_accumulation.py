@@ -12,7 +12,7 @@ import pyvista
 
 import volviz
 from tests.render.scenes import Requests, camera, function, picture, volume
-from volviz.custom_gl.host.accumulation import PHASES, PLACES, SHOWN_AFTER, sample_phase
+from volviz.custom_gl.host.progressive import PHASES, PLACES, SHOWN_AFTER, sample_phase
 from volviz.offscreen import apply_camera
 
 SIZE = (72, 64)

@@ -76,3 +76,35 @@ def test_a_range_wider_than_floats_are_is_drawn() -> None:
     wide = volviz.Volume(((2.0 * easy.array - 1.0) * 3e38).astype(np.float32))
     pictures = [picture(of, function(of), camera(of), size=SIZE) for of in (easy, wide)]
     np.testing.assert_allclose(*pictures, atol=2e-3)
+
+
+@pytest.mark.parametrize("technique", ["raycast", "isosurface", "vtk_gpu"])
+@pytest.mark.parametrize(
+    "low_high", [(0.3, 0.1 + 0.2), (2**60, 2**60 + 1024), (np.longdouble(1), np.longdouble(3))], ids=str
+)
+def test_values_a_rounding_apart_and_long_doubles_are_drawn(technique, low_high):
+    low, high = low_high
+    array = np.full((9, 8, 7), low)
+    array[3:6, 3:6, 2:5] = high
+    image = volviz.render(volviz.Volume(array), technique, size=(48, 40))
+    assert image[..., 3].max() > 0
+
+
+def test_values_that_span_all_of_float64_are_refused_in_words():
+    array = np.random.default_rng(1).uniform(-1, 1, (8, 8, 8)) * 1.75e308
+    with pytest.raises(volviz.VolvizError, match="farther than 64-bit numbers count"):
+        volviz.render(volviz.Volume(array), size=(32, 32))
+
+
+def test_the_reference_sees_what_ray_casting_sees_beside_an_outlier():
+    z, y, x = np.mgrid[-1:1:24j, -1:1:24j, -1:1:24j]
+    array = np.clip(1 - np.sqrt(x * x + y * y + z * z), 0, 1).astype(np.float32)
+    array[1, 1, 1] = 1e6
+    function = volviz.TransferFunction.from_points(
+        [(0.3, (1, 0, 0, 0)), (0.4, (1, 0, 0, 0.5)), (0.9, (0, 1, 0, 0.9))]
+    )
+    pair = [
+        volviz.render(volviz.Volume(array), t, transfer_function=function, size=(64, 48), dtype="float32")
+        for t in ("reference", "raycast")
+    ]
+    assert np.abs(pair[0] - pair[1]).max() < 2 / 255

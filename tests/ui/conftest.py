@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from tests.displays import NO_DISPLAY, window_can_open
+from tests.leaks import Watch
 from volviz.custom_gl.host.handle import VolumeHandle
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.scene import Scene
@@ -23,6 +25,9 @@ from volviz_ui.panels.form_shelf import FormShelf
 from volviz_ui.preferences import Preferences
 from volviz_ui.theme import Theme
 from volviz_ui.views.scenery import background_picture
+
+#: Width and height of the window in pixels.
+WINDOW_SIZE = (1100, 760)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -77,11 +82,11 @@ def save_ball(path: Path, value: int, *, size: int = 32) -> Path:
     return path
 
 
-@pytest.fixture
-def bare_window(qapp: QApplication, theme: Theme, preferences: Preferences) -> Iterator[MainWindow]:
-    """The window, shown, without a volume."""
+@contextmanager
+def made_window(app: QApplication, theme: Theme, preferences: Preferences) -> Iterator[MainWindow]:
+    """The window, shown, without a volume; taken down at the end."""
     window = MainWindow(theme, preferences)
-    window.resize(1100, 760)
+    window.resize(*WINDOW_SIZE)
     window.show()
     assert QTest.qWaitForWindowExposed(window)
     # keys reach their commands in the active window only
@@ -92,9 +97,16 @@ def bare_window(qapp: QApplication, theme: Theme, preferences: Preferences) -> I
         box.close()
     window.close()
     window.deleteLater()
-    settle(qapp)
+    settle(app)
     # pytest holds the fixture's value until after the search for leaks; what hangs on it must not look leaked
     vars(window).clear()
+
+
+@pytest.fixture
+def bare_window(qapp: QApplication, theme: Theme, preferences: Preferences) -> Iterator[MainWindow]:
+    """The window, shown, without a volume."""
+    with made_window(qapp, theme, preferences) as window:
+        yield window
 
 
 @pytest.fixture
@@ -106,26 +118,65 @@ def window(bare_window: MainWindow, ball_file: str, wait_for: Callable[..., None
     return bare_window
 
 
+@pytest.fixture(scope="module")
+def window_of_the_file(
+    qapp: QApplication, theme: Theme, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[MainWindow, Scene]]:
+    """One window with the ball for all tests of a file, and the scene that it opened with.
+
+    What it leaves behind is looked for when the file ends; its tests are marked `leaks_allowed`.
+    """
+    watch = Watch(objects=True)
+    folder = tmp_path_factory.mktemp("window")
+    preferences = Preferences(QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat))
+    with pytest.MonkeyPatch.context() as patch, made_window(qapp, theme, preferences) as window:
+        patch.setattr(VolumeHandle, "accumulates", False)
+        patch.setattr(FormShelf, "builds_ahead", False)
+        window.open(str(save_ball(folder / "ball.npy", 200)))
+        run_until(lambda: window.documents.volume is not None)
+        run_until(lambda: is_complete(window))
+        yield window, window.store.scene
+    if leaks := watch.leaks():
+        pytest.fail("The window left behind:\n  " + "\n  ".join(leaks), pytrace=False)
+
+
+@pytest.fixture
+def same_window(window_of_the_file: tuple[MainWindow, Scene]) -> MainWindow:
+    """The window of the file with the scene, size and history that it began with, fully drawn.
+
+    For tests that are not about how a window begins or ends; a new one takes a second.
+    """
+    window, scene = window_of_the_file
+    window.resize(*WINDOW_SIZE)
+    window.store.update(scene, record=False)
+    window.store.clear_history()
+    window.activateWindow()
+    assert QTest.qWaitForWindowActive(window)
+    run_until(lambda: is_complete(window))
+    return window
+
+
 @pytest.fixture
 def first_full_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """No pictures that follow the full one and make it smoother: two views can be compared to the last bit."""
     monkeypatch.setattr(VolumeHandle, "accumulates", False)
 
 
-@pytest.fixture
-def wait_for(qapp: QApplication) -> Callable[..., None]:
+def run_until(condition: Callable[[], object], seconds: float = 120.0) -> None:
     """Run the event loop until something holds; fails when it never does.
 
     Two minutes, since kernels may have to be compiled first, on a machine that runs other tests beside.
     """
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        QTest.qWait(5)
 
-    def wait(condition: Callable[[], object], seconds: float = 120.0) -> None:
-        end = time.monotonic() + seconds
-        while not condition():
-            assert time.monotonic() < end, "it did not happen in time"
-            QTest.qWait(5)
 
-    return wait
+@pytest.fixture
+def wait_for(qapp: QApplication) -> Callable[..., None]:
+    """`run_until`, once there is an application."""
+    return run_until
 
 
 def settle(app: QApplication) -> None:

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog, QPushButton, QTabBar
 
 from tests.ui.conftest import drawn_picture, foreground, is_complete, picture
+from volviz.custom_gl.host.technique_runner import TechniqueRunner
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
 from volviz_ui.commands.shortcuts import ShortcutsDialog
 from volviz_ui.dialogs.export_picture import ExportPictureDialog
@@ -117,6 +121,77 @@ def test_the_picture_on_the_clipboard_is_the_viewport(window: MainWindow) -> Non
     assert (image.width(), image.height()) == window.viewport.pixel_size
     shown = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
     assert image.convertToFormat(QImage.Format.Format_RGB888) == shown
+
+
+@pytest.fixture
+def slow_drawing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every chunk of every technique takes a twelfth of a second longer."""
+    draw = TechniqueRunner.draw
+
+    def slow(self: TechniqueRunner, *arguments: Any) -> None:
+        time.sleep(0.08)
+        draw(self, *arguments)
+
+    monkeypatch.setattr(TechniqueRunner, "draw", slow)
+
+
+@pytest.mark.usefixtures("slow_drawing")
+def test_copying_waits_for_a_slow_technique_and_the_window_goes_on(
+    window: MainWindow, wait_for: Wait
+) -> None:
+    QApplication.clipboard().setText("before")
+    window.technique_commands.refine(1)
+    ticks: list[float] = []
+    timer = QTimer()
+    timer.setInterval(10)
+    timer.timeout.connect(lambda: ticks.append(time.monotonic()))
+    timer.start()
+    copy = window.file_commands.copy_picture()
+    told: list[float] = []
+    copy.progressed.connect(told.append)
+    assert not copy.is_over
+    assert QApplication.clipboard().text() == "before"
+    (dialog,) = window.findChildren(QProgressDialog)
+    wait_for(dialog.isVisible)
+    assert not copy.is_over
+    wait_for(lambda: copy.is_over)
+    timer.stop()
+    assert window.display.status.complete
+    # a turn of the event loop after every chunk or two, as while the window completes a picture by itself
+    assert len(ticks) >= 4
+    assert max(after - before for before, after in pairwise(ticks)) < 1.0
+    assert told
+    assert told == sorted(told)
+    assert 0.0 < told[-1] <= 1.0
+    shown = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+    assert QApplication.clipboard().image().convertToFormat(QImage.Format.Format_RGB888) == shown
+    wait_for(lambda: not window.findChildren(QProgressDialog))
+
+
+@pytest.mark.usefixtures("slow_drawing")
+def test_copying_can_be_cancelled_and_the_clipboard_keeps_what_it_has(
+    window: MainWindow, wait_for: Wait
+) -> None:
+    QApplication.clipboard().setText("before")
+    window.technique_commands.refine(1)
+    copy = window.file_commands.copy_picture()
+    (dialog,) = window.findChildren(QProgressDialog)
+    wait_for(dialog.isVisible)
+    (button,) = dialog.findChildren(QPushButton)
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert copy.is_over
+    wait_for(lambda: is_complete(window))
+    QTest.qWait(100)
+    assert QApplication.clipboard().text() == "before"
+
+
+@pytest.mark.usefixtures("slow_drawing")
+def test_a_window_that_closes_gives_up_copying(window: MainWindow) -> None:
+    window.technique_commands.refine(1)
+    copy = window.file_commands.copy_picture()
+    assert not copy.is_over
+    window.close()
+    assert copy.is_over
 
 
 def test_the_copied_script_draws_the_same_picture(window: MainWindow, tmp_path: Path) -> None:

@@ -18,6 +18,14 @@ from volviz_ui.main_window import MainWindow
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def centre(window: MainWindow) -> QPoint:
     return window.viewport.rect().center()

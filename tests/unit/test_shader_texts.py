@@ -197,10 +197,16 @@ def test_the_ray_loop_takes_two_layers() -> None:
         {"composite": "composite/maximum.glsl", "shade_1": "shade/lit.glsl"},
         {shader: '#include "march.glsl"\n#include "layer.glsl" LAYER1\n'},
     ).text
-    for name in ("t_scalars", "t_table", "u_scalar_map", "u_table_map", "vec4 layer_color(", "vec3 shade("):
-        stem, bracket = name.removesuffix("("), name[len(name.removesuffix("(")) :]
-        assert len(re.findall(rf"{re.escape(stem)}{re.escape(bracket)}", text)) >= 1
-        assert f"{stem}_1{bracket}" in text
+    for declared in (
+        "uniform sampler3D t_scalars{};",
+        "uniform sampler2D t_table{};",
+        "uniform vec2 u_scalar_map{};",
+        "float sample_scalar{}(vec3 p) {{",
+        "vec4 layer_color{}(float front, float back, vec3 p) {{",
+        "return fetch{}(p) * u_scalar_map{}.x",
+    ):
+        for suffix in ("", "_1"):
+            assert declared.format(suffix, suffix) in text
     assert "u_light_centred_1" in text
     assert not re.search(r"\bu_light_centred\b", text), "the first layer is unlit"
     assert text.count("uniform vec3 u_box_low;") == 1

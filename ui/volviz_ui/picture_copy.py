@@ -31,6 +31,7 @@ class PictureCopy(QObject):
         super().__init__(parent)
         self._views = views
         self.is_over = False
+        self._ready = 0.0
         self._look_again = QTimer(self)
         self._look_again.setSingleShot(True)
         # never while a view is being drawn
@@ -54,8 +55,10 @@ class PictureCopy(QObject):
             self._copy()
             self.copied.emit()
             self._end()
-        else:
-            self.progressed.emit(sum(1.0 if share is None else share for share in shares) / len(shares))
+            return
+        # never less than before, though a quick picture on the way begins anew
+        self._ready = max(self._ready, sum(1.0 if share is None else share for share in shares) / len(shares))
+        self.progressed.emit(self._ready)
 
     def _copy(self) -> None:
         views = self._views

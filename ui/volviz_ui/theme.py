@@ -126,6 +126,7 @@ def style_sheet(colors: Colors) -> str:
     QToolBar QToolButton:hover {{ background: {c.button}; border-color: {c.border}; }}
     QToolBar QToolButton:pressed, QToolBar QToolButton:checked {{ background: {c.border}; }}
     QToolBar QToolButton:focus {{ border-color: {c.accent}; }}
+    QToolButton#qt_toolbar_ext_button {{ padding: 0; min-width: 16px; }}
     QToolBar QToolButton[popupMode="2"] {{ padding-right: 16px; }}
     QToolBar QToolButton::menu-indicator {{
         subcontrol-origin: padding; subcontrol-position: center right; right: 3px;
@@ -219,11 +220,6 @@ class Theme(QObject):
             scheme = self._application.styleHints().colorScheme()
             return DARK if scheme == Qt.ColorScheme.Dark else LIGHT
         return DARK if self._choice == "dark" else LIGHT
-
-    @property
-    def is_dark(self) -> bool:
-        """Whether the dark palette is shown."""
-        return self.colors is DARK
 
     def _on_scheme_changed(self) -> None:
         if self._choice == "system":

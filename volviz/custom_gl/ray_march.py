@@ -1,4 +1,4 @@
-"""The ray caster's program, for every technique that marches rays with ``glsl/march.glsl``."""
+"""What techniques share whose rays begin at pixels: the ray caster's program (``glsl/march.glsl``), tiles."""
 
 from __future__ import annotations
 
@@ -42,3 +42,11 @@ def march_program(
     if per_step:
         program.set({"u_inverse_unit_distance": 1.0 / frame.step_world})
     return program
+
+
+def draw_tile(frame: Frame, program: Program, tile: int) -> None:
+    """Draw the pixels of one of the frame's tiles with a program from `Frame.program` with ``fullscreen.vert``."""
+    gl = frame.gpu.gl
+    gl.scissor = frame.tiles[tile]
+    frame.gpu.draw_fullscreen(program)
+    gl.scissor = None

@@ -160,6 +160,12 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
     """
     layer = drawn_layer(spec)
     volume = volume_of(layer, volumes or {})
+    low, high = volume.range
+    if not np.isfinite(high - low):
+        raise InputError(
+            f"{volume.name}: its values reach from {low:.3g} to {high:.3g}, farther than 64-bit numbers count; "
+            "divide them by 10 first."
+        )
     check_kinds(transfer_function=layer.transfer_function, light=spec.light, clipping=spec.clipping)
     info = technique_info(spec.technique)
     settings = settings_of(spec)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from volviz.volume_data.source import Channel
+from volviz.volume_data.description import Channel
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

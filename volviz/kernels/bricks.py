@@ -151,9 +151,13 @@ def occupancy(
     """
     n = len(prefix) - 1
     low, high = value_range
-    scale = (n - 1) / (high - low) if high > low else 0.0
-    first = np.floor((mins.astype(np.float64) - low) * scale) - 1
-    last = np.ceil((maxs.astype(np.float64) - low) * scale) + 1
+    # halves: the range may be as wide as float64, and a bound of float32 infinite
+    half = high / 2 - low / 2
+    if half > 0:
+        first = np.floor((mins.astype(np.float64) / 2 - low / 2) * ((n - 1) / half)) - 1
+        last = np.ceil((maxs.astype(np.float64) / 2 - low / 2) * ((n - 1) / half)) + 1
+    else:
+        first, last = np.full(mins.shape, -1.0), np.full(maxs.shape, 1.0)
     first = np.clip(first, 0, n - 1).astype(np.int64)
     last = np.clip(last, 0, n - 1).astype(np.int64)
     return np.asarray(prefix[last + 1] > prefix[first])

@@ -74,6 +74,43 @@ class JointHistogram(NamedTuple):
     done: float
 
 
+def even_histogram(
+    values: Edges, bins: int, low: float, high: float, weights: Edges | None = None
+) -> tuple[Edges, Edges]:
+    """`numpy.histogram` between two limits, also where these are only a rounding apart or span all of float64.
+
+    Parameters
+    ----------
+    values : ndarray of float64
+        Those beyond the limits count in the outermost bins.
+    bins : int
+    low, high : float
+        Finite, low < high.
+    weights : ndarray, optional
+        One for each value.
+
+    Returns
+    -------
+    counts : ndarray of shape (bins,)
+    edges : ndarray of shape (bins + 1,), float64
+        Neighbouring ones are equal where float64 has no number between them.
+    """
+    values = np.clip(values, low, high)
+    edges = np.linspace(low, high, bins + 1) if np.isfinite(high - low) else np.empty(0)
+    if len(edges) and np.all(edges[1:] > edges[:-1]):
+        counts, edges = np.histogram(values, bins, (low, high), weights=weights)
+        return np.asarray(counts, np.float64), edges
+    # halves do not overflow; a range of subnormal numbers is divided before it is halved
+    half = high / 2 - low / 2
+    share = (values / 2 - low / 2) / half if half > 0 else (values > low).astype(np.float64)
+    index = np.minimum((share * bins).astype(np.intp), bins - 1)
+    fractions = np.arange(bins + 1) / bins
+    counts = np.bincount(index.ravel(), None if weights is None else weights.ravel(), bins)
+    # the sum of two products may end a rounding below its neighbour
+    edges = np.maximum.accumulate(np.clip(low * (1 - fractions) + high * fractions, low, high))
+    return np.asarray(counts, np.float64), edges
+
+
 def histogram(
     array: AnyArray,
     bins: int = 256,

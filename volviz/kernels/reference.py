@@ -51,6 +51,7 @@ def reference_render(
     *,
     table: npt.ArrayLike,
     value_range: tuple[float, float],
+    table_range: tuple[float, float] | None = None,
     view: npt.ArrayLike,
     projection: npt.ArrayLike,
     size: tuple[int, int],
@@ -84,9 +85,11 @@ def reference_render(
     spacing, origin, direction
         Geometry in (x, y, z), world units; the columns of `direction` are the world directions of i, j, k.
     table : array_like of shape (n, 4)
-        Straight RGBA over `value_range`; entry i at ``lo + i (hi - lo) / (n - 1)``, linear between, clamped.
+        Straight RGBA over `table_range`; entry i at ``lo + i (hi - lo) / (n - 1)``, linear between, clamped.
     value_range : (lo, hi)
-        Data values of the first and last entry.
+        Lowest and highest value of the data.
+    table_range : (lo, hi), optional
+        Data values of the first and last entry; the default is `value_range`, which "attenuated_maximum" always uses.
     view, projection : array_like of shape (4, 4)
         World to eye and eye to clip space, OpenGL conventions, column vectors. Rays begin on the near plane
         (so the camera may be inside the volume) and end on the far plane.
@@ -167,16 +170,17 @@ def reference_render(
         raise InputError('gradient_table needs mode "composite" or "additive", not pre-integrated.')
     matrix = index_to_world_matrix(spacing, origin, direction)
     mean_spacing = float(np.mean(spacing))
+    first, last = value_range if table_range is None or mode == "attenuated_maximum" else table_range
     rgba = np.ascontiguousarray(table, np.float64)
     extinction = extinction_sums(rgba)
     lowest_shown = low + density_threshold * (high - low) if density_threshold > 0 else -np.inf
     if preintegrated and density_threshold > 0:
-        shown = np.linspace(low, high, len(rgba)) >= lowest_shown
+        shown = np.linspace(first, last, len(rgba)) >= lowest_shown
         extinction = extinction_sums(rgba * np.where(shown[:, None], 1.0, [1.0, 1.0, 1.0, 0.0]))
     classification = Classification(
         table=rgba,
-        low=float(low),
-        high=float(high),
+        low=float(first),
+        high=float(last),
         lowest_shown=float(lowest_shown),
         gradient_opacity=float(gradient_opacity),
         gradient_reference=float(

@@ -30,6 +30,7 @@ class Classification(NamedTuple):
     table: Float64Array
     low: float
     high: float
+    """Data values of the table's first and last entry."""
     lowest_shown: float
     """Samples below this value contribute nothing; -inf = all contribute."""
     gradient_opacity: float

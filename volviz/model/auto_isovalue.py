@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from volviz.kernels.histogram import even_histogram
 from volviz.model.first_look import FirstLook
 
 if TYPE_CHECKING:
@@ -50,8 +51,7 @@ def _otsu_by_gradient(volume: Volume) -> float:
     if look is None:
         return volume.range[0]
     weights = look.gradient.ravel()
-    values = np.clip(look.values.ravel(), look.low, look.high)
-    counts, edges = np.histogram(values, BINS, (look.low, look.high), weights=weights)
+    counts, edges = even_histogram(look.values.ravel(), BINS, look.low, look.high, weights)
     mass = np.cumsum(counts)[:-1]
     moment = np.cumsum(counts * (np.arange(BINS) + 0.5))[:-1]
     total, mean = counts.sum(), (counts * (np.arange(BINS) + 0.5)).sum()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from volviz.kernels.histogram import even_histogram
 from volviz.model.first_look import FirstLook, Floats
 from volviz.model.transfer_function import Color, ControlPoint, TransferFunction
 
@@ -202,7 +203,7 @@ def _background(look: FirstLook) -> tuple[float, float]:
     The surface of a box that the object fills is no background: the lowest value is taken then.
     """
     low, high = look.low, look.high
-    counts, edges = np.histogram(np.clip(look.shell, low, high), bins=128, range=(low, high))
+    counts, edges = even_histogram(look.shell, 128, low, high)
     peak = int(np.argmax(np.convolve(counts, (0.25, 0.5, 0.25), mode="same")))
     center = float(edges[peak] + edges[peak + 1]) / 2
     width, middle, scatter = 0.08 * (high - low), center, 0.0
@@ -249,7 +250,7 @@ def _otsu(values: Floats, weights: Floats | None, cuts: int, bins: int = 64) -> 
     low, high = (float(v) for v in np.quantile(values, (0.001, 0.999)))
     if not low < high or not np.isfinite(high - low):
         return ()
-    histogram, edges = np.histogram(np.clip(values, low, high), bins=bins, range=(low, high), weights=weights)
+    histogram, edges = even_histogram(values, bins, low, high, weights)
     # Positions in bins instead of values: no overflow however large the values are.
     mass = np.concatenate([[0.0], np.cumsum(histogram)])
     moment = np.concatenate([[0.0], np.cumsum(histogram * np.arange(bins))])

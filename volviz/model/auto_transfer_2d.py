@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from volviz.kernels.histogram import even_histogram
 from volviz.model.auto_transfer import ramp_color
 from volviz.model.first_look import FirstLook
 from volviz.model.transfer_function_2d import Region, TransferFunction2D
@@ -47,12 +48,8 @@ def auto_regions(volume: Volume) -> TransferFunction2D:
     most = float(np.quantile(gradient[moving], 0.999))
     border = gradient >= BORDER * most
     span = look.high - look.low
-    counts, edges = np.histogram(
-        np.clip(look.values[border], look.low, look.high),
-        bins=64,
-        range=(look.low, look.high),
-        weights=(gradient[border] / most) ** 2,
-    )
+    weights = (gradient[border] / most) ** 2
+    counts, edges = even_histogram(look.values[border], 64, look.low, look.high, weights)
     smooth = np.convolve(counts, np.exp(-0.5 * (np.arange(-6, 7) / 2.5) ** 2), mode="same")
     centers = (edges[:-1] + edges[1:]) / 2
     chosen: list[float] = []

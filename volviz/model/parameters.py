@@ -97,6 +97,9 @@ class Parameter:
                 return None
             raise SettingError(f"{self.name} needs a value: {self._expected()}.")
         try:
+            if isinstance(value, (str, bytes)) and self.kind not in ("choice", "path"):
+                # its characters would pass for numbers, "50" for (5, 0); text is for `parse`
+                raise TypeError
             return getattr(self, f"_check_{self.kind}")(value)
         except (TypeError, ValueError, OverflowError) as error:
             if isinstance(error, InputError):
@@ -326,9 +329,3 @@ def unknown_setting(owner: str, name: str, known: Sequence[str]) -> str:
     near = get_close_matches(name, known, n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "it has " + ", ".join(sorted(known)) + "."
     return f"{owner} has no setting called {name!r}; {hint}"
-
-
-def cost_of_change(old: Any, new: Any) -> Cost | None:
-    """The highest cost among the settings that differ; None when nothing differs."""
-    changed = [p.cost for p in parameters_of(type(new)) if getattr(old, p.name) != getattr(new, p.name)]
-    return max(changed) if changed else None

@@ -29,14 +29,6 @@ from volviz.model.transfer_lanes import Lane, Stop, merged, simplified, straight
 #: Entries of a raw table.
 DAT_ENTRIES = 256
 
-#: File name patterns for dialogs, by what they hold.
-PATTERNS = {
-    "VolViz": ("*.json",),
-    "ParaView, VTK": ("*.json",),
-    "3D Slicer": ("*.vp",),
-    "raw table": ("*.dat",),
-}
-
 
 def read_transfer_function(path: str | Path) -> TransferFunction:
     """The transfer function in a file of any known kind.

@@ -199,6 +199,12 @@ class TransferFunction:
         first, last = max(first, low), min(last, high)
         return (first, last) if first < last else (low, high)
 
+    def oracle_range(self, data_range: tuple[float, float]) -> tuple[float, float]:
+        """The range of an oracle's table: that of the data, unless outliers would leave the function few entries."""
+        first, last = self.table_range(data_range)
+        low, high = data_range
+        return (first, last) if high - low > 8 * (last - first) else (low, high)
+
     def visible_range(self, data_range: tuple[float, float]) -> tuple[float, float] | None:
         """Lowest and highest value of the data with an opacity above 0; None when nothing is visible."""
         table = self.bake(data_range, MAX_TABLE)[:, 3]

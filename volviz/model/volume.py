@@ -88,6 +88,10 @@ class Volume:
             scalars = scalars.astype(scalars.dtype.newbyteorder("="))
         if scalars.dtype == np.float16:
             scalars = scalars.astype(np.float32)
+        if scalars.dtype.kind == "f" and scalars.dtype.itemsize > 8:
+            # long doubles, which neither kernels nor VTK know; what exceeds float64 becomes infinite and is counted
+            with np.errstate(over="ignore"):
+                scalars = scalars.astype(np.float64)
         scalars = np.ascontiguousarray(scalars)
         if scalars is array:
             scalars = scalars.view()

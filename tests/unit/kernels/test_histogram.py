@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from volviz.errors import Cancelled, InputError
 from volviz.kernels.gradient import gradient_magnitude
 from volviz.kernels.histogram import (
+    even_histogram,
     histogram,
     joint_histogram,
     progressive_histogram,
@@ -121,3 +122,18 @@ def test_partial_joint_histograms_end_with_the_whole():
 def test_bad_arguments_are_refused_in_words(arguments, message):
     with pytest.raises(InputError, match=message):
         histogram(np.zeros((2, 2, 2)), *arguments)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [(0.3, 0.1 + 0.2), (2.0**60, 2.0**60 + 512), (-1.7e308, 1.7e308), (0.0, 5e-324), (2.0, 7.0)],
+)
+def test_ranges_that_numpy_refuses_are_counted_as_well(low, high):
+    values = np.array([low, low, high])
+    counts, edges = even_histogram(values, 64, low, high)
+    assert (counts[0], counts[-1], counts.sum()) == (2, 1, 3)
+    assert (edges[0], edges[-1]) == (low, high)
+    assert np.all(np.isfinite(edges))
+    assert np.all(np.diff(edges / 4) >= 0)
+    weighted, _ = even_histogram(values, 64, low, high, np.array([0.5, 0.25, 4.0]))
+    assert (weighted[0], weighted[-1]) == (0.75, 4.0)

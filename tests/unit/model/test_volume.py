@@ -59,3 +59,10 @@ def test_masked_values_count_as_the_lowest() -> None:
     array = np.arange(10, 37).reshape(3, 3, 3)
     assert Volume(np.ma.masked_less(array, 20)).array.min() == 20
     assert not Volume(np.ma.masked_less(array, 100)).array.any()
+
+
+def test_long_doubles_become_doubles():
+    array = np.arange(8, dtype=np.longdouble).reshape(2, 2, 2) + np.longdouble("0.1")
+    volume = Volume(array)
+    assert volume.array.dtype == np.float64
+    np.testing.assert_array_equal(volume.array, array.astype(np.float64))

@@ -96,6 +96,11 @@ class ToolBar(QToolBar):
         self._add("view.box", "view.axes", "view.reset_camera")
         self.addSeparator()
         self._add("file.copy_picture", "file.export_picture", "help.shortcuts")
+        extension = self.findChild(QToolButton, "qt_toolbar_ext_button")
+        if extension is not None:
+            # Qt's own icon is hardly seen on the dark theme
+            set_icon(extension, "caret-double-right")
+            extension.setToolTip(self.tr("What the window has no room for"))
 
     def _add(self, *commands: str) -> None:
         self.addActions([self._table[ident] for ident in commands])

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from PySide6.QtCore import QSize
 from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
+    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -17,11 +20,13 @@ from PySide6.QtWidgets import (
 from volviz_ui.commands.command import Command, State, keys_in_words, plain
 from volviz_ui.widgets.small import quiet_label
 
-WORDS_WIDTH = 190
+COLUMNS = 3
+PART_OF_SCREEN = 0.8
+"""As much of it the page takes at most; beyond, it scrolls."""
 
 
 class ShortcutsDialog(QDialog):
-    """Two columns: keys, and the mouse.
+    """Keys menu by menu, then the mouse.
 
     Parameters
     ----------
@@ -39,42 +44,44 @@ class ShortcutsDialog(QDialog):
     ) -> None:
         super().__init__(parent)
         self.setWindowTitle(self.tr("Shortcuts"))
-        columns = QHBoxLayout()
-        columns.setSpacing(40)
         groups: dict[str, list[tuple[str, str]]] = {}
         for path, command in commands:
             if keys := keys_in_words(command):
                 groups.setdefault(path[0], []).append((plain(command.words(state)), keys))
-        mouse = self._mouse()
-        total = sum(len(rows) + 2 for rows in [*groups.values(), mouse])
-        left, right = QVBoxLayout(), QVBoxLayout()
-        tables: dict[QVBoxLayout, list[QGridLayout]] = {left: [], right: []}
-        used = 0
-        for title, rows in groups.items():
-            column = left if used < total / 2 else right
-            tables[column].append(self._table(title, rows))
-            used += len(rows) + 2
-        tables[right].append(self._table(self.tr("Mouse in the viewport"), mouse))
-        for column, grids in tables.items():
+        groups[self.tr("Mouse in the viewport")] = self._mouse()
+        body = QWidget(self)
+        columns = QHBoxLayout(body)
+        columns.setContentsMargins(0, 0, 0, 0)
+        columns.setSpacing(32)
+        for titles in _shared_out({title: len(rows) + 2 for title, rows in groups.items()}):
+            column = QVBoxLayout()
+            column.setSpacing(16)
+            grids = [self._table(title, groups[title]) for title in titles]
             # the keys of all groups of a column stand below one another
             widest = max(
-                grid.itemAtPosition(row, 0).sizeHint().width()
+                grid.itemAtPosition(row, 0).widget().sizeHint().width()
                 for grid in grids
-                for row in range(1, grid.rowCount())
+                for row in _rows(grid)
             )
             for grid in grids:
-                grid.setColumnMinimumWidth(0, max(widest, WORDS_WIDTH))
+                grid.setColumnMinimumWidth(0, widest)
                 column.addLayout(grid)
-            column.setSpacing(16)
             column.addStretch(1)
             columns.addLayout(column)
+        scrolls = QScrollArea(self)
+        scrolls.setWidgetResizable(True)
+        scrolls.setFrameShape(QFrame.Shape.NoFrame)
+        scrolls.setWidget(body)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(24, 20, 24, 16)
         layout.setSpacing(16)
-        layout.addLayout(columns)
+        layout.addWidget(scrolls, 1)
         layout.addWidget(buttons)
+        bar = scrolls.verticalScrollBar().sizeHint().width()
+        whole = body.sizeHint() + QSize(bar, 0)
+        scrolls.setMinimumSize(whole.boundedTo(self.screen().availableSize() * PART_OF_SCREEN))
 
     def _mouse(self) -> list[tuple[str, str]]:
         return [
@@ -102,3 +109,21 @@ class ShortcutsDialog(QDialog):
         grid.setColumnMinimumWidth(1, 130)
         grid.setColumnStretch(1, 1)
         return grid
+
+
+def _shared_out(heights: dict[str, int]) -> list[list[str]]:
+    """Titles of the groups of each column, in their order, so that the columns are about equally high."""
+    columns: list[list[str]] = [[]]
+    target, used = sum(heights.values()) / COLUMNS, 0.0
+    for title, height in heights.items():
+        if columns[-1] and used + height / 2 > target and len(columns) < COLUMNS:
+            columns.append([])
+            used = 0.0
+        columns[-1].append(title)
+        used += height
+    return columns
+
+
+def _rows(grid: QGridLayout) -> range:
+    """Rows of a table below its heading."""
+    return range(1, grid.rowCount())

@@ -36,12 +36,6 @@ def color_of(rgb: tuple[float, ...]) -> QColor:
     return QColor.fromRgbF(*(min(max(float(c), 0.0), 1.0) for c in rgb[:3]))
 
 
-def contrast_to(color: QColor) -> QColor:
-    """Black or white, whichever stands out."""
-    bright = 0.299 * color.redF() + 0.587 * color.greenF() + 0.114 * color.blueF()
-    return QColor(0, 0, 0, 200) if bright > 0.55 else QColor(255, 255, 255, 220)
-
-
 def paint_frame(painter: QPainter, places: Places, palette: QPalette, unit: str, font: QFont) -> None:
     """Background, grid, ticks of both axes, and a shade over what lies outside the data."""
     plot = places.plot

@@ -11,13 +11,11 @@ import numpy as np
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.targets import Target
-from volviz.custom_gl.host.accumulation import Accumulation
 from volviz.custom_gl.host.frames import frame_size, make_frame
 from volviz.custom_gl.host.hook import HOOK_ACTORS, Hook
-from volviz.custom_gl.host.kept_targets import KeptTargets
 from volviz.custom_gl.host.pacing import FULL, CostModel, FrameStatus, Level, Pacer, Quality, StatusListener
-from volviz.custom_gl.host.picture import Picture, PictureKey, area_of, composite
-from volviz.custom_gl.host.refinement import Refinement
+from volviz.custom_gl.host.picture import KeptTargets, Picture, PictureKey, area_of, composite
+from volviz.custom_gl.host.progressive import Accumulation, Refinement
 from volviz.custom_gl.host.renderer_view import RendererView
 from volviz.custom_gl.host.scene_depth import SceneDepth, opaque_revision
 from volviz.custom_gl.host.shown_textures import ShownTextures
@@ -71,7 +69,7 @@ class Drawing:
         How far resolution may drop while something moves.
     accumulates : bool
         Whether, with a pacer and at rest, further pictures follow the full one and their mean is shown
-        (`volviz.custom_gl.host.accumulation`).
+        (`volviz.custom_gl.host.progressive`).
     share : float
         Part of the time of an interactive frame that this volume may take, 0..1; less than 1 where several
         viewports are drawn together.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.host.accumulation import sample_phase
+from volviz.custom_gl.host.progressive import sample_phase
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame

@@ -9,11 +9,11 @@ import numpy as np
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
-from volviz.custom_gl.host.accumulation import jittered_camera
 from volviz.custom_gl.host.frame_uniforms import box_tiles, level_of_detail, shared_uniforms
-from volviz.custom_gl.host.no_textures import NoTextures
 from volviz.custom_gl.host.pacing import FULL, Level
+from volviz.custom_gl.host.progressive import jittered_camera
 from volviz.custom_gl.host.renderer_view import RendererView
+from volviz.custom_gl.host.shown_textures import NoTextures
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
 from volviz.tasks import Tasks

@@ -1,4 +1,4 @@
-"""Puts a finished picture over what VTK has drawn."""
+"""Finished pictures: what they show, the targets that hold them, and how they come over what VTK has drawn."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
 
 _PREMULTIPLIED = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+
+
+#: Targets of different sizes that are kept: full, and some levels of interaction.
+KEPT = 3
 
 
 class PictureKey(NamedTuple):
@@ -184,3 +188,29 @@ def _write_depth(gpu: Gpu, target: Target, framebuffer: Any) -> None:
     gpu.draw_fullscreen(program)
     framebuffer.depth_mask = False
     gl.depth_func = "<"
+
+
+class KeptTargets:
+    """The last few targets of one owner; older ones are dropped."""
+
+    def __init__(self, owner: int) -> None:
+        self._owner = owner
+        self._names: dict[Target, str] = {}
+
+    def get(self, gpu: Gpu, purpose: str, size: tuple[int, int], shown: Target | None) -> Target:
+        """A target to draw into; `shown`, which holds the picture now shown, is not dropped for it."""
+        name = f"{purpose} {size[0]} x {size[1]} of {self._owner}"
+        target = gpu.targets.get(name, size)
+        # the one used last stands last
+        self._names.pop(target, None)
+        self._names[target] = name
+        for old in list(self._names)[:-KEPT]:
+            if old is not shown:
+                gpu.targets.drop(self._names.pop(old))
+        return target
+
+    def release(self, gpu: Gpu) -> None:
+        """Drop all."""
+        for name in self._names.values():
+            gpu.targets.drop(name)
+        self._names.clear()

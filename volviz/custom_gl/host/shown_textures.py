@@ -7,10 +7,27 @@ from typing import Any
 
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.gpu.scalars import is_prepared, prepare
-from volviz.custom_gl.host.no_textures import NO_TEXTURES, NoTextures
 from volviz.custom_gl.host.window_gpu import WindowGpu
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.tasks import Done, LatestResult, Tasks
+
+
+class NoTextures:
+    """Always complete; every level is the full one."""
+
+    complete = True
+    coarsest = 0
+
+    def upload(self, max_bytes: int | None = None) -> bool:
+        """There is nothing to upload."""
+        del max_bytes
+        return True
+
+    def select(self, level: int) -> None:
+        """There is one level only."""
+
+
+NO_TEXTURES = NoTextures()
 
 
 class ShownTextures:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from volviz.custom_gl.ray_march import march_program
+from volviz.custom_gl.ray_march import draw_tile, march_program
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.tiled import draw_tile
 
 _FRAGMENT = Path(__file__).parent / "raycast.frag"
 

@@ -59,7 +59,9 @@ class Wish:
 def computed(wish: Wish, progress: Any = None, cancel: Any = None) -> Picture:
     """The oracle's picture: premultiplied RGBA, shape (height, width, 4), row 0 at the top."""
     volume, settings = wish.volume, wish.settings
-    entries = table_size(volume.range, volume.array.dtype.kind in "iu")
+    scalar = settings.mode == "attenuated_maximum"
+    table_range = volume.range if scalar else wish.function.oracle_range(volume.range)
+    entries = table_size(table_range, volume.array.dtype.kind in "iu")
     if entries == MAX_TABLE:
         entries = FINE_TABLE
     shading = None
@@ -71,7 +73,7 @@ def computed(wish: Wish, progress: Any = None, cancel: Any = None) -> Picture:
     regions = _regions(wish)
     return reference_render(
         volume.array, volume.spacing, volume.origin, volume.direction,
-        table=wish.function.bake(volume.range, entries), value_range=volume.range,
+        table=wish.function.bake(table_range, entries), value_range=volume.range, table_range=table_range,
         view=np.reshape(wish.view, (4, 4)), projection=np.reshape(wish.projection, (4, 4)), size=wish.size,
         step_world=wish.step, first_sample=settings.first_sample, unit_distance=wish.unit_distance,
         mode=settings.mode, attenuation=settings.attenuation, early_termination=settings.early_termination,
