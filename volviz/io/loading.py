@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
 from volviz.io.reader import HEAD_BYTES, PART, SAMPLE_PREFIX, Hints, Job
 from volviz.io.table import READERS
@@ -177,7 +178,9 @@ def _reader_for(job: Job) -> Reader:
         raise job.error("the file is empty; get it again.")
     by_content = next((reader for reader in READERS if reader.sniff(head, path)), None)
     by_name = _by_suffix(path)
-    if path.is_file() and by_name is not None and by_name.name == "Raw" and job.hints.dims is not None:
+    is_raw = path.is_file() and by_name is not None and by_name.name == "Raw"
+    # numbers can begin like any file; a size that fits to the byte is no chance
+    if is_raw and by_name is not None and (job.hints.dims is not None or raw.fits(job)):
         return by_name
     if by_content is not None:
         return by_content

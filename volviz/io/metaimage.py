@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".mha", ".mhd")
 
-HEADER_BYTES = 1 << 20
+#: A header longer than this is none; those of tracked ultrasound, with lines for every frame, have megabytes.
+HEADER_BYTES = 1 << 26
 
 #: A size beyond this is none.
 LARGEST = 2**40
@@ -42,7 +43,8 @@ _TYPES = {
 
 def sniff(head: bytes, _path: Path) -> bool:
     """Whether these are the first bytes of a MetaImage header."""
-    return re.match(rb"(?:\s*\w+\s*=[^\n]*\n)*?\s*(ObjectType|NDims)\s*=", head) is not None
+    # comments may come first, with a sign of equality or without
+    return re.match(rb"(?:[^\n\0]*\n)*?[ \t]*(?:ObjectType|NDims)[ \t]*=", head) is not None
 
 
 def open_source(job: Job) -> FileSource:
@@ -92,11 +94,19 @@ def _statistics(job: Job, fields: dict[str, str]) -> Statistics | None:
 
 def _header(job: Job) -> tuple[dict[str, str], int]:
     """Fields by name and the byte at which the values begin (for values in the same file)."""
+    head, last, wanted = b"", None, 1 << 16
     with job.path.open("rb") as stream:
-        head = stream.read(HEADER_BYTES)
+        while last is None and len(head) < HEADER_BYTES:
+            block = stream.read(wanted - len(head))
+            if not block:
+                break
+            head += block
+            wanted *= 4
+            last = re.search(rb"^[ \t]*ElementDataFile[ \t]*=[^\n]*\n", head, re.MULTILINE)
     if not sniff(head, job.path):
         raise job.error("this is no MetaImage file, though it is called so; check how it was made.")
-    last = re.search(rb"^[ \t]*ElementDataFile[ \t]*=[^\n]*(\n|\Z)", head, re.MULTILINE)
+    # the line may end with the file
+    last = last or re.search(rb"^[ \t]*ElementDataFile[ \t]*=[^\n]*\Z", head, re.MULTILINE)
     if last is None:
         raise job.error("its header names no ElementDataFile; the file is cut off or damaged.")
     fields: dict[str, str] = {}
@@ -121,7 +131,12 @@ def _stored(job: Job, fields: dict[str, str], end: int, sizes: list[int], channe
     if not _is_true(fields.get("BinaryData", "True")):
         return Stored(files, shape, dtype, offset=start, encoding="text")
     if _is_true(fields.get("CompressedData", "False")):
-        return Stored(files, shape, dtype, packed_offset=start + max(skip, 0), encoding="gzip")
+        start += max(skip, 0)
+        if skip < 0 and "CompressedDataSize" in fields and files[0].is_file():
+            # the values end with the file, so their packed size says where they begin
+            packed = _integer(job, fields, "CompressedDataSize", 0)
+            start = max(start, files[0].stat().st_size - packed)
+        return Stored(files, shape, dtype, packed_offset=start, encoding="gzip")
     return Stored(files, shape, dtype, offset=-1 if skip < 0 else start + skip)
 
 
@@ -147,19 +162,22 @@ def _affine(job: Job, fields: dict[str, str], rank: int) -> npt.NDArray[np.float
     spacing = _first(fields, "ElementSpacing", "ElementSize")
     origin = _first(fields, "Offset", "Position", "Origin")
     rows = _first(fields, "TransformMatrix", "Rotation", "Orientation")
-    steps = np.array((_parse(job, spacing) or [1.0] * rank)[:3] + [1.0] * max(0, 3 - rank))
-    start = np.array((_parse(job, origin) or [0.0] * rank)[:3] + [0.0] * max(0, 3 - rank))
+    known = min(rank, 3)
+    steps = np.array((_parse(job, spacing) or [1.0] * rank)[:known] + [1.0] * (3 - known))
+    start = np.array((_parse(job, origin) or [0.0] * rank)[:known] + [0.0] * (3 - known))
     matrix = np.eye(3)
     values = _parse(job, rows)
     if values:
         size = round(len(values) ** 0.5)
-        if size * size != len(values) or size < min(rank, 3):
+        if size * size != len(values) or size < known:
             raise job.error("its TransformMatrix does not fit its dimensions; the file is damaged.")
-        matrix[: min(size, 3), : min(size, 3)] = np.reshape(values, (size, size))[:3, :3]
+        matrix[:known, :known] = np.reshape(values, (size, size))[:known, :known]
     if len(steps) != 3 or len(start) != 3 or not is_usable(matrix) or not np.all(np.isfinite(steps)):
         raise job.error("its spacing, offset or TransformMatrix is unusable; the file is damaged.")
-    steps = np.where(steps == 0, 1.0, np.abs(steps))
-    # the rows of the file are the columns of `direction`
+    if not np.all(steps):
+        job.note("The file gives a distance of 0 between voxels; 1 is taken.")
+        steps = np.where(steps == 0, 1.0, steps)
+    # the rows of the file are the columns of `direction`; a negative step turns the axis
     affine: npt.NDArray[np.float64] = np.c_[matrix.T * steps, start]
     return affine
 

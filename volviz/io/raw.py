@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import os
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from volviz.errors import InputError
+from volviz.errors import InputError, VolvizError
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.reader import stem
@@ -22,11 +24,12 @@ SUFFIXES = (".raw", ".raw.gz", ".bin", ".dat")
 
 _PATTERN = re.compile(r"(?<![\dx])(\d+)x(\d+)x(\d+)(?!\d|x\d)", re.IGNORECASE)
 _TYPE = re.compile(
-    r"(?<![a-z])(u?int(?:8|16|32|64)|float(?:16|32|64)|u?char|u?short|float|double)(?![a-z\d])"
+    r"(?<![a-z])(?:(un)?signed[ _.-]?)?(u?int(?:8|16|32|64)?|float(?:16|32|64)|u?char|u?short|float|double)"
+    r"(?:_t)?(?![a-z\d])"
 )
 _SYNONYMS = {
     "uchar": "uint8", "char": "int8", "ushort": "uint16", "short": "int16", "uint": "uint32", "int": "int32",
-    "float": "float32", "double": "float64", "unsigned char": "uint8", "unsigned short": "uint16",
+    "float": "float32", "double": "float64",
 }  # fmt: skip
 _WANTED = "give dims=(x, y, z) and dtype=..., or call the file like head_256x256x225_uint8.raw"
 
@@ -42,7 +45,31 @@ def hints_from_name(name: str) -> tuple[tuple[int, int, int], str] | None:
     kind = _TYPE.search(name.lower())
     if sizes is None or kind is None:
         return None
-    return (int(sizes[1]), int(sizes[2]), int(sizes[3])), _SYNONYMS.get(kind[1], kind[1])
+    return (int(sizes[1]), int(sizes[2]), int(sizes[3])), _plain(kind)
+
+
+def _plain(kind: re.Match[str]) -> str:
+    """NumPy's name of a type that is written as in C."""
+    name = _SYNONYMS.get(kind[2], kind[2])
+    return "u" + name if kind[1] and name.startswith("int") else name
+
+
+def fits(job: Job) -> bool:
+    """Whether what is said of a raw file gives exactly the size that it has, so that it can be nothing else."""
+    named = hints_from_name(job.path.name)
+    if job.hints.dims is None and named is None:
+        return False
+    try:
+        dims, dtype = _described(job)
+    except VolvizError:
+        return False
+    wanted = math.prod(dims) * dtype.itemsize + max(job.hints.header or 0, 0)
+    if not _is_gzip(job.path):
+        return wanted == job.path.stat().st_size
+    with job.path.open("rb") as stream:
+        # a gzip member ends with the size of what it holds, modulo 2^32
+        stream.seek(-4, os.SEEK_END)
+        return wanted % 2**32 == int.from_bytes(stream.read(4), "little")
 
 
 def open_source(job: Job) -> FileSource:
@@ -87,7 +114,10 @@ def _described(job: Job) -> tuple[tuple[int, int, int], np.dtype[Any]]:
 
 def _dtype(kind: Any, endian: str | None) -> np.dtype[Any]:
     try:
-        dtype = np.dtype(_SYNONYMS.get(kind.lower(), kind.lower()) if isinstance(kind, str) else kind)
+        if isinstance(kind, str):
+            said = _TYPE.fullmatch(kind.lower())
+            kind = kind.lower() if said is None else _plain(said)
+        dtype = np.dtype(kind)
     except TypeError:
         raise InputError(
             f"dtype {kind!r} is unknown; use uint8, int16, uint16, float32 or the like."

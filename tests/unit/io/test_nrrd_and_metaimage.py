@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bz2
 import gzip
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -260,3 +261,38 @@ def test_unusable_metaimage_headers_are_refused_in_words(tmp_path, lines, words)
 def test_a_metaimage_of_two_dimensions_is_no_volume(tmp_path, suffix):
     with pytest.raises(LoadError, match=r"9 x 7 x 1 .* stack of images"):
         load(itk(tmp_path / f"v{suffix}", scalars((7, 9))))
+    lines = (
+        "NDims = 2\nDimSize = 4 6\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    )
+    with pytest.raises(LoadError, match=r"4 x 6 x 1 .* stack of images"):
+        load(meta(tmp_path / "spacing.mha", lines, bytes(24)))
+
+
+@pytest.mark.parametrize("comment", ["# made by hand", "Comment = a = b", "made by hand"])
+@pytest.mark.parametrize("lines", [1, 40_000])
+def test_a_metaimage_may_begin_with_comments_and_have_a_long_header(tmp_path, comment, lines):
+    array = scalars((2, 3, 4))
+    head = f"{comment}\n" * lines + "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
+    more = "Seq_Frame0000_X = 3\n" * lines + "ElementDataFile = LOCAL\n"
+    (tmp_path / "v.mha").write_bytes((head + more).encode() + array.tobytes())
+    np.testing.assert_array_equal(load(tmp_path / "v.mha").array, array)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_negative_distance_of_a_metaimage_turns_the_axis(tmp_path, axis):
+    steps = np.array([2.0, 3.0, 4.0])
+    steps[axis] *= -1
+    spacing = " ".join(str(v) for v in steps)
+    lines = f"Offset = 1 2 3\nElementSpacing = {spacing}\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    volume = load(meta(tmp_path / "v.mha", lines, bytes(24)))
+    np.testing.assert_array_equal(volume.direction * volume.spacing, np.diag(steps))
+    assert volume.origin == (1, 2, 3)
+
+
+def test_packed_values_at_the_end_of_a_file_of_their_own_are_found(tmp_path):
+    array = scalars((2, 3, 4))
+    packed = zlib.compress(array.tobytes())
+    (tmp_path / "v.zraw").write_bytes(b"anything" + packed)
+    lines = f"ElementType = MET_SHORT\nCompressedData = True\nCompressedDataSize = {len(packed)}\nHeaderSize = -1\n"
+    path = meta(tmp_path / "v.mhd", f"{lines}ElementDataFile = v.zraw\n")
+    np.testing.assert_array_equal(load(path).array, array)

@@ -97,6 +97,11 @@ def test_a_raw_file_comes_back_by_its_hints(tmp_path, dtype, endian, header, sha
         ("male_128x256x256_uint8.raw.gz", ((128, 256, 256), "uint8")),
         ("foot-12x34x56-float32.bin", ((12, 34, 56), "float32")),
         ("ushort_10x20x30.raw", ((10, 20, 30), "uint16")),
+        ("head_10x20x30_unsigned_short.raw", ((10, 20, 30), "uint16")),
+        ("unsigned-char_10x20x30.raw", ((10, 20, 30), "uint8")),
+        ("head_10x20x30_signed short.raw", ((10, 20, 30), "int16")),
+        ("head_10x20x30_Unsigned_Int.raw", ((10, 20, 30), "uint32")),
+        ("head_10x20x30_uint16_t.raw", ((10, 20, 30), "uint16")),
         ("10x20x30.raw", None),
         ("a_10x20x30x40_uint8.raw", None),
         ("engine.raw", None),
@@ -148,3 +153,20 @@ def test_unusable_hints_are_refused_in_words(tmp_path, hints, words):
     (tmp_path / "v.raw").write_bytes(bytes(24))
     with pytest.raises((LoadError, InputError), match=words):
         load(tmp_path / "v.raw", **hints)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        b"\x08\0\x08\0UI\x02\0", b"\x08\0\x05\0\x04\0\0\0\x08\0\x08\0\x10\0\x10\0", b"II*\0", b"\x93NUMPY",
+        b"# vtk DataFile", b"NRRD0004\n", b"\x08\0" * 4,
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_raw_file_that_begins_like_another_format_is_what_its_name_says_to_the_byte(
+    tmp_path, start, packed
+):
+    array = np.frombuffer((start + bytes(420))[:420], "<u2").reshape(5, 6, 7)
+    path = tmp_path / ("v_7x6x5_uint16.raw" + (".gz" if packed else ""))
+    path.write_bytes(gzip.compress(array.tobytes()) if packed else array.tobytes())
+    np.testing.assert_array_equal(load(path).array, array)
