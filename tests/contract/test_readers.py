@@ -70,6 +70,16 @@ def raw(folder: Path) -> Path:
     return folder / "v_50x40x12_int16.raw"
 
 
+def pictures(folder: Path) -> Path:
+    import tifffile
+
+    stack = folder / "pictures"
+    stack.mkdir()
+    for n, page in enumerate(ARRAY):
+        tifffile.imwrite(stack / f"{n:03d}.tif", page)
+    return stack
+
+
 GEOMETRY: dict[str, Any] = {"spacing": (1, 1, 1), "origin": (0, 0, 0)}
 WRITERS = {
     "NIfTI": nifti,
@@ -78,6 +88,7 @@ WRITERS = {
     "VTK image": vtk_xml,
     "TIFF": tiff,
     "DICOM": dicom,
+    "Pictures": pictures,
     "NumPy": numpy_file,
     "Raw": raw,
 }
