@@ -39,7 +39,7 @@ def scene_of(views: tuple[SceneView, ...], camera: Camera) -> Scene:
     function = TransferFunction.from_points([(10.0, (1, 0, 0, 0)), (200.0, (1, 1, 0, 0.7))])
     ref = VolumeRef("brain.raw", (("dims", (16, 16, 16)), ("dtype", "uint8")))
     return Scene(
-        (ImageLayer(ref, function),),
+        (ImageLayer(ref, function, channel=0, time=2),),
         Light(headlight=False, position=(1.5, -80.25, 7.0), color=(1.0, 0.5, 0.25)),
         Clipping((1.0, 12.0, 0.0, 15.0, 2.0, 14.0), (((1.0, 2.0, 3.0), (0.0, 0.6, 0.8)),)),
         (0.0, 0.2, 1.0),
@@ -65,7 +65,7 @@ def test_the_command_of_a_report_means_what_the_views_show(tmp_path: Path, paral
     add_commands(parser.add_subparsers())
     options = parser.parse_args(words)
     assert (options.file, options.convergence, options.unmatched) == ("brain.raw", True, True)
-    assert hints_of(options) == {"dims": (16, 16, 16), "dtype": "uint8"}
+    assert hints_of(options) == {"dims": (16, 16, 16), "dtype": "uint8", "channel": 0, "time": 2}
     sides = sides_of([technique_and_values(text) for text in options.techniques], options)
     for number, side in enumerate(sides):
         info, settings = current_technique(scene, number), current_settings(scene, number)

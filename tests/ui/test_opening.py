@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import QMimeData, QPointF, Qt, QTimer, QUrl
+import tifffile
+from PySide6.QtCore import QMimeData, QPointF, QSettings, Qt, QTimer, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 
 from tests.ui.conftest import foreground, is_complete, save_ball
 from volviz.custom_gl.scene_techniques import choose_technique
+from volviz.volume_data.references import VolumeKey, VolumeRef
 from volviz_ui.main_window import MainWindow
+from volviz_ui.preferences import Preferences
 
 Wait = Callable[..., None]
 
@@ -190,10 +195,40 @@ def test_the_window_stays_alive_while_a_file_is_read(
 
 
 def test_recent_files_can_be_opened_again(window: MainWindow, ball_file: str, wait_for: Wait) -> None:
-    assert [ref.source for ref in window.preferences.recent] == [ball_file]
+    assert [key.ref.source for key in window.preferences.recent] == [ball_file]
     (menu,) = [menu for menu in window.findChildren(QMenu) if menu.title() == "Open &recent"]
     menu.aboutToShow.emit()
     assert menu.actions()[0].text() == "ball.npy"
+
+
+def test_a_time_point_and_channel_live_in_the_layer(
+    bare_window: MainWindow, tmp_path: Path, wait_for: Wait
+) -> None:
+    array = np.arange(3 * 2 * 120, dtype=np.uint8).reshape(3, 4, 2, 5, 6)
+    tifffile.imwrite(tmp_path / "h.tif", array, imagej=True, metadata={"axes": "TZCYX"})
+    window = bare_window
+    window.documents.open(tmp_path / "h.tif", channel=1, time=2, unit="V")
+    wait_for(lambda: window.documents.volume is not None)
+    layer = window.store.scene.layer
+    assert layer is not None
+    assert (layer.channel, layer.time, layer.volume.hints) == (1, 2, (("unit", "V"),))
+    np.testing.assert_array_equal(window.documents.volume.array, array[2, :, 1])
+    # another channel of the same file is another volume, which undo finds in the cache
+    window.store.update(lambda scene: scene.with_layer(channel=0), label="Channel")
+    wait_for(lambda: np.array_equal(window.documents.volume.array, array[2, :, 0]))
+    window.documents.undo()
+    assert np.array_equal(window.documents.volume.array, array[2, :, 1])
+    assert window.preferences.recent[0] == VolumeKey(replace(layer.volume, content_id=""), 1, 2)
+
+
+def test_recent_files_of_older_programs_keep_their_time_and_channel(tmp_path: Path) -> None:
+    preferences = Preferences(QSettings(str(tmp_path / "p.ini"), QSettings.Format.IniFormat))
+    row = {"source": "/a.tif", "hints": {"channel": 1, "time": 3, "spacing": [1.0, 2.0, 3.0]}}
+    preferences._settings.setValue("recent", json.dumps([row]))
+    ref = VolumeRef("/a.tif", (("spacing", (1.0, 2.0, 3.0)),))
+    assert preferences.recent == [VolumeKey(ref, 1, 3)]
+    preferences.add_recent(VolumeKey(VolumeRef("/b.tif"), None, 0))
+    assert preferences.recent == [VolumeKey(VolumeRef("/b.tif")), VolumeKey(ref, 1, 3)]
 
 
 def test_a_raw_file_without_a_telling_name_is_asked_about(

@@ -37,6 +37,14 @@ from volviz_ui.panels.settings_form import SettingsForm
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def slider_drag(slider: QAbstractSlider, pixels: int) -> None:
     """Drag the handle of a slider."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,10 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from tests.ui.conftest import is_complete, picture
+from volviz.custom_gl.resolve import layer_function
+from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.session import save_session
+from volviz.volume_data.references import VolumeRef
 from volviz_ui.autosave import Autosave, left_behind
 from volviz_ui.main_window import MainWindow
 
@@ -90,3 +94,54 @@ def test_after_a_crash_the_scene_is_offered_and_restored(
     assert window.store.scene.background == (0.0, 0.0, 0.0)
     assert not crashed.exists()
     assert window.session_commands.offer_restore(tmp_path / "auto") is None
+
+
+def test_layers_that_are_not_drawn_yet_are_kept_and_said(
+    window: MainWindow, tmp_path: Path, ball_file: str, wait_for: Wait
+) -> None:
+    labels = LabelLayer(VolumeRef(ball_file), {3: "red"}, names={3: "liver"}, hidden=(1,))
+    second = ImageLayer(VolumeRef(ball_file), color="green", window=(10, 90), name="second")
+    window.store.update(lambda scene: replace(scene, layers=(labels, *scene.layers, second)), label="Layers")
+    wait_for(lambda: is_complete(window))
+    kept = window.store.scene.layers
+    path = tmp_path / "three.volviz.json"
+    window.session_commands.save_path(path)
+    window.documents.undo()
+    assert len(window.store.scene.layers) == 1
+    window.documents.redo()
+    assert window.store.scene.layers == kept
+    window.documents.undo()
+    window.session_commands.open_path(path)
+    wait_for(lambda: len(window.store.scene.layers) == 3)
+    assert [replace(layer, volume=labels.volume) for layer in window.store.scene.layers] == [
+        replace(layer, volume=labels.volume) for layer in kept
+    ]
+    assert "not drawn yet: 2 further layers" in window.messages.status_line.currentMessage()
+    assert window.store.scene.layer == kept[1]
+    wait_for(lambda: is_complete(window))
+
+
+def test_a_layer_of_a_colour_is_opened_with_a_function_that_can_be_edited(
+    window: MainWindow, tmp_path: Path, ball_file: str, wait_for: Wait
+) -> None:
+    layer = ImageLayer(VolumeRef(ball_file), color="green", window=(10, 90), opacity=0.5, name="green")
+    save_session(replace(window.store.scene, layers=(layer,)), tmp_path / "green.volviz.json")
+    window.open(str(tmp_path / "green.volviz.json"))
+    wait_for(lambda: window.store.scene.layer.name == "green")
+    shown = window.store.scene.layer
+    assert shown.transfer_function == layer_function(layer, window.documents.volume)
+    assert (shown.color, shown.opacity) == (None, 1.0)
+    assert window.messages.status_line.currentMessage() == ""
+
+
+def test_a_session_of_labels_alone_is_refused_in_words(
+    window: MainWindow, tmp_path: Path, ball_file: str, wait_for: Wait
+) -> None:
+    scene = window.store.scene
+    save_session(replace(scene, layers=(LabelLayer(VolumeRef(ball_file)),)), tmp_path / "labels.volviz.json")
+    window.open(str(tmp_path / "labels.volviz.json"))
+    wait_for(lambda: [box for box in window.findChildren(QMessageBox) if box.isVisible()])
+    (box,) = [box for box in window.findChildren(QMessageBox) if box.isVisible()]
+    assert "labels alone" in box.text() + box.informativeText()
+    box.close()
+    assert window.store.scene == scene

@@ -13,6 +13,8 @@ from psygnal import Signal as Event
 from PySide6.QtCore import QObject, Signal
 
 from volviz.custom_gl.gpu.scalars import bricks_of
+from volviz.custom_gl.resolve import layer_function
+from volviz.errors import InputError
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.layers import ImageLayer
 from volviz.model.scene import Scene
@@ -96,23 +98,31 @@ class Documents(QObject):
 
     # ------------------------------------------------------------------ opening
 
-    def open(self, source: str | os.PathLike[str], **hints: Any) -> None:
+    def open(
+        self, source: str | os.PathLike[str], *, channel: int | None = None, time: int = 0, **hints: Any
+    ) -> None:
         """Read a file, folder or ``sample:<id>`` and show it; the newest wish wins."""
         text = os.fspath(source)
         if not text.startswith(SAMPLE_PREFIX):
             text = str(Path(text).absolute())
         ref = VolumeRef(text, tuple(hints.items()), content_id(text))
         self._way_back = None
-        self._start(VolumeKey(ref), first=True)
+        self._start(VolumeKey(ref, channel, time), first=True)
 
     def open_scene(self, scene: Scene) -> None:
         """Show a whole scene, as from a session file, once its volume has been read."""
         if scene.layer is None:
+            if scene.layers:
+                error = InputError("it holds labels alone, which cannot be drawn yet; add an image to it.")
+                self.failed.emit(self.tr("The session"), error)
             return
         self._way_back = None
-        source = scene.layer.volume.source
-        ref = replace(scene.layer.volume, content_id=content_id(source))
-        scene = scene.with_layer(volume=ref)
+        refs = [layer.key.ref for layer in scene.layers]
+        layers = tuple(
+            replace(layer, volume=replace(ref, content_id=content_id(ref.source)))
+            for layer, ref in zip(scene.layers, refs, strict=True)
+        )
+        scene = replace(scene, layers=layers)
         self._start(scene.layer.key, first=True, scene=scene)
 
     def cancel(self) -> None:
@@ -247,11 +257,16 @@ def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None) -> Opene
 
     ref = key.ref
     task.report(-1.0, "")
-    volume = load(ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints))
+    volume = load(
+        ref.source, time=key.time or None, channel=key.channel,
+        progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints),
+    )  # fmt: skip
     # lazily computed and needed by every panel: done here, not in the window
     auto_isovalue(volume)
     bricks_of(volume)
     if scene is not None and scene.layer is not None:
+        # the editor needs one function, in the place of colour and window, and with the opacity in it
+        scene = scene.with_layer(transfer_function=layer_function(scene.layer, volume), opacity=1.0)
         return Opened(key, volume, scene.layer.transfer_function, scene=scene)
     preset_id = suggested_preset(ref)
     if preset_id is None:
@@ -276,7 +291,10 @@ def scene_with(scene: Scene, opened: Opened) -> Scene:
     """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
     if opened.scene is not None:
         return opened.scene
-    layer = ImageLayer(opened.key.ref, opened.transfer_function, opened.volume.name)
+    key = opened.key
+    layer = ImageLayer(
+        key.ref, opened.transfer_function, opened.volume.name, channel=key.channel, time=key.time
+    )
     views = tuple(replace(view, camera=None) for view in scene.views)
     clipping = replace(scene.clipping, crop=None, planes=())
     light = replace(scene.light, position=None)

@@ -39,6 +39,26 @@ class LoadedScene:
         return None if layer is None else layer.transfer_function
 
 
+def words_on_layers(scene: Scene) -> str:
+    """A sentence on what of the layers is kept, but not drawn yet; empty when all is drawn."""
+    first = scene.layer
+    parts = []
+    if len(scene.layers) > 1:
+        others = len(scene.layers) - 1
+        parts.append("1 further layer" if others == 1 else f"{others} further layers")
+    if first is not None:
+        parts += [
+            words
+            for words, is_so in (
+                ("the transform of the first image", first.transform is not None),
+                (f"its mode {first.mode}", first.mode != "add"),
+                ("that it is hidden", not first.visible),
+            )
+            if is_so
+        ]
+    return f"Kept, but not drawn yet: {', '.join(parts)}." if parts else ""
+
+
 def volume_of(shown: LoadedScene) -> Volume | None:
     """The volume that is shown; for `binding.show_value`."""
     return shown.volume

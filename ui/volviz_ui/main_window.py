@@ -264,7 +264,7 @@ class MainWindow(QMainWindow):
 
     def _on_opened(self, opened: Opened) -> None:
         if not opened.key.ref.source.startswith(SAMPLE_PREFIX):
-            self.preferences.add_recent(opened.key.ref)
+            self.preferences.add_recent(opened.key)
 
     def _show_volume(self, volume: Volume | None) -> None:
         self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from PySide6.QtCore import QByteArray, QSettings
 
-from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.references import VolumeKey, VolumeRef
 from volviz_ui.theme import Choice
 
 RECENT_LIMIT = 12
@@ -78,18 +78,21 @@ class Preferences:
         self._settings.setValue(f"shows/{name}", shown)
 
     @property
-    def recent(self) -> list[VolumeRef]:
-        """Files opened last, the newest first."""
+    def recent(self) -> list[VolumeKey]:
+        """What was opened last, the newest first."""
         try:
             rows: list[dict[str, Any]] = json.loads(str(self._settings.value("recent", "[]")))
-            return [VolumeRef(str(row["source"]), _hints(row.get("hints", {}))) for row in rows]
+            return [_key(row) for row in rows]
         except (ValueError, TypeError, KeyError, AttributeError):
             return []
 
-    def add_recent(self, ref: VolumeRef) -> None:
-        """Remember a file that was opened."""
-        known = [r for r in self.recent if r.source != ref.source]
-        rows = [{"source": r.source, "hints": dict(r.hints)} for r in [ref, *known][:RECENT_LIMIT]]
+    def add_recent(self, key: VolumeKey) -> None:
+        """Remember what was opened of which file."""
+        keys = [key, *(known for known in self.recent if known.ref.source != key.ref.source)]
+        rows = [
+            {"source": k.ref.source, "hints": dict(k.ref.hints), "channel": k.channel, "time": k.time}
+            for k in keys[:RECENT_LIMIT]
+        ]
         self._settings.setValue("recent", json.dumps(rows))
 
     def forget_recent(self) -> None:
@@ -110,5 +113,9 @@ class Preferences:
         self._settings.setValue("used_commands", json.dumps([ident, *others][:USED_LIMIT]))
 
 
-def _hints(values: dict[str, Any]) -> tuple[tuple[str, Any], ...]:
-    return tuple((key, tuple(v) if isinstance(v, list) else v) for key, v in values.items())
+def _key(row: dict[str, Any]) -> VolumeKey:
+    hints = {name: tuple(v) if isinstance(v, list) else v for name, v in row.get("hints", {}).items()}
+    # older programs kept channel and time among the hints
+    channel, time = hints.pop("channel", None), hints.pop("time", 0)
+    ref = VolumeRef(str(row["source"]), tuple(hints.items()))
+    return VolumeKey(ref, row.get("channel", channel), row.get("time", time))

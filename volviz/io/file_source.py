@@ -20,8 +20,9 @@ from volviz.model.volume import (
     checked_spacing,
     shear_of,
 )
+from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
 from volviz.volume_data.references import content_id
-from volviz.volume_data.source import Channel, Description, Label, Level, ReadRequest, VolumeSource
+from volviz.volume_data.source import ReadRequest, VolumeSource
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -109,6 +110,7 @@ def file_source(
     channels: Sequence[Channel] = (),
     times: Sequence[float] | None = None,
     is_labels: bool = False,
+    statistics: Statistics | None = None,
     labels: Sequence[Label] = (),
     unit: str = "",
     length_unit: str = "",
@@ -127,8 +129,8 @@ def file_source(
         Of the finest level, as the file says it.
     dtype, colour
         Decide whether components are colours (see `to_zyx`).
-    channels, times, is_labels, labels, unit, length_unit
-        As in `Description`; channels that do not fit the axes are left out.
+    channels, times, is_labels, labels, statistics, unit, length_unit
+        As in `Description`; what does not fit the axes is left out.
 
     Raises
     ------
@@ -171,6 +173,7 @@ def file_source(
         unit=unit if hints.unit is None else hints.unit,
         length_unit=length_unit,
         content_id=content_id(str(job.path)),
+        statistics=statistics if count is None and time_count is None else None,
         metadata={
             "source": job.source, "format": format, "length_unit": length_unit,
             "notes": tuple(job.notes), **metadata,

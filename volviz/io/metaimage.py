@@ -17,6 +17,7 @@ from volviz.io.geometry import is_usable
 from volviz.io.nrrd import FILES_AT_MOST, _numbered
 from volviz.io.reader import shortened, stem
 from volviz.io.stored import Stored, check_sizes, read_part
+from volviz.volume_data.description import Statistics
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -78,8 +79,15 @@ def open_source(job: Job) -> FileSource:
         format="MetaImage",
         name=stem(job.path, SUFFIXES),
         dtype=stored.dtype,
+        statistics=_statistics(job, fields),
         length_unit="mm",
     )
+
+
+def _statistics(job: Job, fields: dict[str, str]) -> Statistics | None:
+    found = [_parse(job, fields.get(name, "")) for name in ("ElementMin", "ElementMax")]
+    low, high = (values[0] if len(values) == 1 else np.nan for values in found)
+    return Statistics(low, high) if -np.inf < low <= high < np.inf else None
 
 
 def _header(job: Job) -> tuple[dict[str, str], int]:

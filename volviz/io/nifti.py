@@ -22,7 +22,7 @@ from volviz.io.geometry import RAS_TO_LPS, is_usable
 from volviz.io.reader import stem
 from volviz.io.scaling import rescaled
 from volviz.io.stored import Stored, check_sizes, read_part
-from volviz.volume_data.source import Channel
+from volviz.volume_data.description import Channel
 
 if TYPE_CHECKING:
     import numpy.typing as npt

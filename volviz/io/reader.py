@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.geometry import Geometry
-    from volviz.volume_data.source import Box, Cancel, Progress
+    from volviz.volume_data.description import Box
+    from volviz.volume_data.source import Cancel, Progress
 
 
 SAMPLE_PREFIX = "sample:"

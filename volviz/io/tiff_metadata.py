@@ -6,7 +6,7 @@ import math
 import re
 from typing import TYPE_CHECKING, Any
 
-from volviz.volume_data.source import Channel
+from volviz.volume_data.description import Channel
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

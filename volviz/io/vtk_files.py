@@ -15,7 +15,7 @@ import numpy as np
 from volviz.io.axes import choose, to_zyx
 from volviz.io.file_source import file_source
 from volviz.io.reader import stem
-from volviz.volume_data.source import Channel
+from volviz.volume_data.description import Channel
 from volviz.vtk_messages import vtk_complaints
 
 if TYPE_CHECKING:

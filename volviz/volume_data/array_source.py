@@ -9,10 +9,14 @@ import numpy as np
 
 from volviz.errors import InputError
 from volviz.model.volume import Volume, checked_direction
-from volviz.volume_data.source import AXES, Channel, Description, Level, ReadRequest, Statistics, VolumeSource
+from volviz.volume_data.description import Channel, Description, Level, Statistics
+from volviz.volume_data.source import ReadRequest, VolumeSource
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+
+#: Axes in the order in which they are named, slowest first: time, channel, and the three of space.
+AXES = ("t", "c", "z", "y", "x")
 
 
 class ArraySource(VolumeSource):

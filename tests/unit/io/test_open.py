@@ -15,7 +15,7 @@ from tests.unit.io.writers import dicom_slice, scalars
 from volviz.cli import main
 from volviz.errors import InputError, LoadError
 from volviz.io import load
-from volviz.volume_data.source import Channel
+from volviz.volume_data.description import Channel, Statistics
 
 MAGENTA, GREEN = (np.arange(256)[None] * np.array(part)[:, None] for part in ((1, 0, 1), (0, 1, 0)))
 
@@ -228,3 +228,16 @@ def test_info_tells_what_the_whole_file_holds(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "time points: 3, from 0 to 4 s" in printed
     assert "channels:    2" in printed
+
+
+def test_a_meta_image_may_tell_its_range(tmp_path):
+    head = (
+        "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\n{}ElementDataFile = LOCAL\n"
+    )
+    for text, expected in (
+        ("ElementMin = 3\nElementMax = 200\n", Statistics(3, 200)),
+        ("ElementMin = 3\n", None),
+        ("ElementMin = 3\nElementMax = nan\n", None),
+    ):
+        (tmp_path / "v.mha").write_bytes(head.format(text).encode() + bytes(range(24)))
+        assert volviz.open(tmp_path / "v.mha").statistics() == expected

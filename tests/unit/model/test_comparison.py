@@ -76,7 +76,7 @@ def test_a_session_keeps_the_pair_and_older_ones_compare_the_first_two() -> None
     data = scene_to_dict(scene)
     assert scene_from_dict(data, lambda _technique: None).pair == (2, 1)
     del data["comparison"]["pair"]
-    assert scene_from_dict(data, lambda _technique: None).pair == (0, 1)
+    assert scene_from_dict({**data, "version": 1}, lambda _technique: None).pair == (0, 1)
 
 
 @pytest.mark.parametrize("pair", [(1, 1), (-1, 0)])

@@ -9,8 +9,8 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QApplication, QFileDialog
 
-from volviz.model.layers import VolumeRef
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
+from volviz.volume_data.references import VolumeKey
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
 from volviz_ui.commands.session import SessionCommands
@@ -97,17 +97,17 @@ class FileCommands(QObject):
 
     def _recent(self) -> list[Entry]:
         preferences, tr = self._context.preferences, self.tr
-        refs = preferences.recent
-        if not refs:
+        keys = preferences.recent
+        if not keys:
             return [tr("Nothing opened yet")]
         entries: list[Entry] = [
             Command(
-                f"file.recent.{ref.source}",
-                _literal(title_of(ref)),
-                ref.source,
-                partial(self._open_again, ref),
+                f"file.recent.{key.ref.source}",
+                _literal(title_of(key.ref)),
+                key.ref.source,
+                partial(self._open_again, key),
             )
-            for ref in refs
+            for key in keys
         ]
         forget = tr("Empty the list of files opened last")
         return [
@@ -127,8 +127,9 @@ class FileCommands(QObject):
             for sample in samples()
         ]  # fmt: skip
 
-    def _open_again(self, ref: VolumeRef) -> None:
-        self._context.documents.open(ref.source, **dict(ref.hints))
+    def _open_again(self, key: VolumeKey) -> None:
+        hints = dict(key.ref.hints)
+        self._context.documents.open(key.ref.source, channel=key.channel, time=key.time, **hints)
 
     # ------------------------------------------------------------------ opening
 

@@ -13,6 +13,11 @@ from volviz.errors import VolvizError
 from volviz.model.session import SUFFIX, load_session, save_session
 from volviz_ui.app_context import AppContext
 from volviz_ui.autosave import left_behind
+from volviz_ui.documents import Opened
+from volviz_ui.loaded_scene import words_on_layers
+
+LAYER_WORDS_MS = 15000
+"""How long it is said that something is not drawn."""
 
 
 class SessionCommands(QObject):
@@ -21,6 +26,7 @@ class SessionCommands(QObject):
     def __init__(self, context: AppContext) -> None:
         super().__init__(context.window)
         self._context = context
+        context.documents.opened.connect(self._on_opened)
         self._filter = self.tr("VolViz sessions (*%1)").replace("%1", SUFFIX)
 
     def open_session(self) -> None:
@@ -42,6 +48,11 @@ class SessionCommands(QObject):
             return False
         self._context.documents.open_scene(scene)
         return True
+
+    def _on_opened(self, opened: Opened) -> None:
+        words = "" if opened.scene is None else words_on_layers(opened.scene)
+        if words:
+            self._context.messages.show_status(words, LAYER_WORDS_MS)
 
     def save_session(self) -> None:
         """Ask for a file and save the scene."""

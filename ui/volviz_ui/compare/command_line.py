@@ -8,10 +8,10 @@ from typing import Any
 
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.camera import Camera
+from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.parameters import setting_values, value_text
 from volviz.model.scene import Scene
-from volviz.volume_data.references import VolumeRef
 
 
 def compare_arguments(
@@ -35,7 +35,7 @@ def compare_arguments(
     layer, camera = scene.layer, scene.view.camera
     if layer is None or camera is None:
         raise ValueError("a scene without volume or camera shows nothing to report on")
-    words = ["compare", layer.volume.source, *hint_words(layer.volume)]
+    words = ["compare", layer.volume.source, *input_words(layer)]
     for view in range(len(scene.views)):
         info, settings = current_technique(scene, view), current_settings(scene, view)
         parts = [info.id]
@@ -89,10 +89,13 @@ def camera_words(camera: Camera) -> list[str]:
     return [*words, "--parallel"] if camera.parallel else words
 
 
-def hint_words(ref: VolumeRef) -> list[str]:
-    """How to read the volume."""
+def input_words(layer: ImageLayer) -> list[str]:
+    """How to read the volume, and which channel and time point of it."""
     words = []
-    for name, value in ref.hints:
+    chosen = (("channel", layer.channel), ("time", layer.time or None))
+    for name, value in (*layer.key.ref.hints, *chosen):
+        if value is None:
+            continue
         text = ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
         words.append(f"--{name}={text}")
     return words

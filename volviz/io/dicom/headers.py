@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.io.dicom.tiles import Tiles, tiles_of
-from volviz.volume_data.source import Label
+from volviz.volume_data.description import Label
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
