@@ -127,9 +127,11 @@ def _pixels(job: Job, path: Path) -> npt.NDArray[Any]:
                 array = np.asarray(
                     picture.convert("RGB") if picture.mode in ("P", "CMYK", "YCbCr") else picture
                 )
-    except (OSError, MemoryError, VolvizError):
+    except (MemoryError, VolvizError):
         raise
-    except Exception:  # noqa: BLE001 - what damaged pictures raise inside the libraries has no end
+    except Exception as error:  # noqa: BLE001 - what damaged pictures raise inside the libraries has no end
+        if isinstance(error, OSError) and error.errno is not None:
+            raise
         raise job.error("this picture is damaged or of an unusual kind; save it again.", path) from None
     if array.ndim == 3 and array.shape[-1] == 2:
         array = array[..., 0]

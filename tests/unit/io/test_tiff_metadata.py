@@ -88,6 +88,11 @@ def test_ome_has_a_unit_for_every_axis(tmp_path):
     assert volume.metadata["length_unit"] == "nm"
 
 
+def test_ome_units_that_are_not_written_are_micrometres(tmp_path):
+    given = {"PhysicalSizeX": 200, "PhysicalSizeXUnit": "nm", "PhysicalSizeY": 0.3, "PhysicalSizeZ": 1.5}
+    assert load(ome(tmp_path / "v.ome.tif", (STACK, given))).spacing == pytest.approx((200, 300, 1500))
+
+
 def test_ome_sizes_are_those_of_the_image_that_is_shown(tmp_path):
     path = ome(tmp_path / "v.ome.tif", (STACK[:2], sizes(9, 9, 9)), (STACK, sizes(0.2, 0.3, 1.5)))
     assert load(path).spacing == pytest.approx((0.2, 0.3, 1.5))
@@ -122,7 +127,7 @@ def test_a_part_of_an_ome_set_names_what_is_missing(tmp_path):
         + "</Pixels></Image></OME>"
     )
     tifffile.imwrite(tmp_path / "part_0.ome.tif", STACK, description=text, metadata=None)
-    with pytest.raises(LoadError, match=r"part_1\.ome\.tif of it does not lie beside it"):
+    with pytest.raises(LoadError, match=r"set of files, of which part_1\.ome\.tif does not lie beside it"):
         load(tmp_path / "part_0.ome.tif")
 
 
