@@ -129,7 +129,7 @@ def _pixels(job: Job, path: Path) -> npt.NDArray[Any]:
                 )
     except (MemoryError, VolvizError):
         raise
-    except Exception as error:  # noqa: BLE001 - what damaged pictures raise inside the libraries has no end
+    except Exception as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise job.error("this picture is damaged or of an unusual kind; save it again.", path) from None
