@@ -67,10 +67,18 @@ def open_source(job: Job) -> FileSource:
             array[number] = pixels
         return to_zyx(array, "ZYXS" if colours else "ZYX", job.within_slices(), colour=colours)
 
+    folder = job.path if job.path.is_dir() else job.path.parent
     return file_source(
-        job, values, "ZYXS" if colours else "ZYX", (len(paths), *first.shape), Geometry(), format="Pictures",
-        name=job.path.name if job.path.is_dir() else job.path.parent.name, dtype=first.dtype, colour=colours,
-    )  # fmt: skip
+        job,
+        values,
+        "ZYXS" if colours else "ZYX",
+        (len(paths), *first.shape),
+        Geometry(),
+        format="Pictures",
+        name=folder.name,
+        dtype=first.dtype,
+        colour=colours,
+    )
 
 
 def _stack(folder: Path) -> list[Path]:
