@@ -70,6 +70,16 @@ def raw(folder: Path) -> Path:
     return folder / "v_50x40x12_int16.raw"
 
 
+def pictures(folder: Path) -> Path:
+    import tifffile
+
+    stack = folder / "pictures"
+    stack.mkdir()
+    for n, page in enumerate(ARRAY):
+        tifffile.imwrite(stack / f"{n:03d}.tif", page)
+    return stack
+
+
 GEOMETRY: dict[str, Any] = {"spacing": (1, 1, 1), "origin": (0, 0, 0)}
 WRITERS = {
     "NIfTI": nifti,
@@ -78,6 +88,7 @@ WRITERS = {
     "VTK image": vtk_xml,
     "TIFF": tiff,
     "DICOM": dicom,
+    "Pictures": pictures,
     "NumPy": numpy_file,
     "Raw": raw,
 }
@@ -153,7 +164,7 @@ def test_hints_replace_what_the_file_says(reader, file):
 @by_reader
 @pytest.mark.parametrize("keep", [1, 20, 0.1, 0.5, 0.9])
 def test_a_file_that_is_cut_off_is_answered_in_one_sentence_and_nothing_is_printed(reader, file, keep, capfd):
-    path = file if file.is_file() else file / "05.dcm"
+    path = file if file.is_file() else sorted(file.iterdir())[5]
     content = path.read_bytes()
     path.write_bytes(content[: int(keep * len(content)) if isinstance(keep, float) else keep])
     with pytest.raises(LoadError) as caught:
@@ -165,7 +176,7 @@ def test_a_file_that_is_cut_off_is_answered_in_one_sentence_and_nothing_is_print
 
 @by_reader
 def test_damage_anywhere_in_the_file_never_ends_in_anything_but_a_volume_or_a_sentence(reader, file, capfd):
-    path = file if file.is_file() else file / "05.dcm"
+    path = file if file.is_file() else sorted(file.iterdir())[5]
     content = path.read_bytes()
     rng = np.random.default_rng(9)
     for _ in range(60):

@@ -189,7 +189,9 @@ def _reader_for(job: Job) -> Reader:
     if by_name is not None and path.is_file():
         return by_name
     if path.is_dir():
-        raise job.error("the folder holds no DICOM slices; choose a folder of DICOM files, or one file.")
+        raise job.error(
+            "no DICOM slices and no numbered pictures were found in the folder; choose another one, or a file."
+        )
     known = ", ".join(reader.name for reader in READERS)
     raise job.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
 

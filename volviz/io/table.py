@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from volviz.io import dicom, metaimage, nifti, nrrd, numpy_files, raw, tiff, vtk_files
+from volviz.io import dicom, image_stack, metaimage, nifti, nrrd, numpy_files, raw, tiff, vtk_files
 from volviz.io.file_source import FileSource
 from volviz.io.reader import Job
 
@@ -48,6 +48,7 @@ READERS: tuple[Reader, ...] = (
     # before TIFF: the first 128 bytes of a DICOM file are free and often hold a TIFF header
     Reader("DICOM", dicom.SUFFIXES, dicom.sniff, dicom.open_source),
     Reader("TIFF", tiff.SUFFIXES, tiff.sniff, tiff.open_source),
+    Reader("Pictures", image_stack.SUFFIXES, image_stack.sniff, image_stack.open_source),
     Reader("NumPy", numpy_files.SUFFIXES, numpy_files.sniff, numpy_files.open_source),
     Reader("Raw", raw.SUFFIXES, raw.sniff, raw.open_source),
 )

@@ -20,7 +20,8 @@ from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.memory import check_memory
 from volviz.io.reader import stem
-from volviz.io.tiff_metadata import channels_of, spacing_of, times_of
+from volviz.io.scaling import rescaled
+from volviz.io.tiff_metadata import calibration_of, channels_of, missing_files, spacing_of, times_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 SUFFIXES = (".tif", ".tiff", ".ome.tif", ".ome.tiff", ".lsm", ".tf8", ".btf")
 
 _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+
+#: Photometric interpretations (tag 262).
+MIN_IS_WHITE, PALETTE = 0, 3
 
 _LOCK = threading.RLock()
 
@@ -75,6 +79,11 @@ def _quiet(job: Job) -> Iterator[None]:
 
 def _source(job: Job, file: tifffile.TiffFile) -> FileSource:
     series = _series(job, file)
+    if missing := missing_files(job, file):
+        names = ", ".join(missing[:3]) + (", …" if len(missing) > 3 else "")
+        raise job.error(
+            f"it belongs to a set of files, of which {names} does not lie beside it; put all of them there."
+        )
     if _is_cut_off(file, series):
         raise job.error("the file is cut off: its last pages are missing; get it again.")
     axes = _meaning(job, series.axes.upper())
@@ -85,6 +94,11 @@ def _source(job: Job, file: tifffile.TiffFile) -> FileSource:
     _check_size(job, series)
     colour = "S" in axes and series.keyframe.photometric in (2, 6) and series.keyframe.photometric is not None
     spacing, length_unit = spacing_of(job, file, series)
+    slope, intercept, unit = calibration_of(job, file)
+    if series.keyframe.photometric == MIN_IS_WHITE:
+        job.note("Its low values are meant to look white; the stored values are shown, high ones bright.")
+    if series.keyframe.photometric == PALETTE:
+        job.note("Its pixels are indices of a palette of colours; the indices are shown.")
     sizes = dict(zip(axes, series.shape, strict=True))
 
     def values(job: Job) -> npt.NDArray[Any]:
@@ -98,7 +112,7 @@ def _source(job: Job, file: tifffile.TiffFile) -> FileSource:
         if scalars.dtype.kind == "c":
             job.note("Complex values are shown as their magnitude.")
             scalars = np.abs(scalars)
-        return scalars
+        return rescaled(scalars, slope, intercept)
 
     return file_source(
         job,
@@ -110,8 +124,9 @@ def _source(job: Job, file: tifffile.TiffFile) -> FileSource:
         name=stem(job.path, SUFFIXES),
         dtype=series.dtype,
         colour=colour,
-        channels=channels_of(file, sizes.get("C", 1)),
-        times=times_of(file, sizes.get("T", 1)),
+        channels=channels_of(file, series, sizes.get("C", 1)),
+        times=times_of(file, series, sizes.get("T", 1)),
+        unit=unit,
         length_unit=length_unit,
     )
 
@@ -124,7 +139,8 @@ def _series(job: Job, file: tifffile.TiffFile) -> tifffile.TiffPageSeries:
     if wanted is None:
         if len(every) > 1:
             job.note(f"The largest of {len(every)} images is shown; choose with series=0..{len(every) - 1}.")
-        return max(every, key=lambda s: s.size)
+        # an overview of one page may be larger than the stack behind it
+        return max(every, key=lambda s: (math.prod(s.shape[:-2]) > 1, s.size))
     if not isinstance(wanted, int) or not 0 <= wanted < len(every):
         raise InputError(f"{job.path.name}: series must lie in 0..{len(every) - 1}, got {wanted!r}.")
     return every[wanted]
@@ -188,10 +204,10 @@ def _is_cut_off(file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> boo
 
 
 def _meaning(job: Job, axes: str) -> str:
-    """Axes of a file with Z, T and C given to those that have no name (Q, I, R: pages), Z first."""
+    """Axes of a file, with Z, T and C given to those without a name (Q, I, R: pages), the last one first."""
     free = [letter for letter in "ZTC" if letter not in axes]
-    for at, letter in enumerate(axes):
-        if letter not in "TCZYXS" and free:
+    for at in reversed(range(len(axes))):
+        if axes[at] not in "TCZYXS" and free:
             axes = axes[:at] + free.pop(0) + axes[at + 1 :]
     if "Z" not in axes:
         for letter, word in (("T", "time points"), ("C", "channels")):

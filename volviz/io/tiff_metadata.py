@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
 from volviz.volume_data.description import Channel
@@ -17,26 +18,41 @@ if TYPE_CHECKING:
 
 #: Codes of tag 296 (ResolutionUnit): inch, centimetre, millimetre, micrometre; in micrometres.
 _RESOLUTION_UNITS = {2: 25400.0, 3: 10000.0, 4: 1000.0, 5: 1.0}
-_SAME_UNIT = dict.fromkeys(("micron", "microns", "um", "\\u00b5m", "\u03bcm", "micrometer"), "µm")
+_SAME_UNIT = {
+    **dict.fromkeys(("micron", "microns", "um", "micrometer", "micrometre"), "µm"),
+    **dict.fromkeys(("pixel", "pixels", "reference frame"), ""),
+}
+_MICROMETRES = {
+    "pm": 1e-6,
+    "Å": 1e-4,
+    "nm": 1e-3,
+    "µm": 1.0,
+    "mm": 1e3,
+    "cm": 1e4,
+    "m": 1e6,
+    "in": 25400.0,
+    "inch": 25400.0,
+}
 #: Seconds per unit of time, and nanometres per unit of a wavelength, as OME names them.
 _SECONDS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _NANOMETRES = {"nm": 1.0, "µm": 1e3, "Å": 0.1}
 
 
 def spacing_of(job: Job, file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> tuple[Vector, str]:
-    """Spacing (x, y, z) and its unit, from OME, ImageJ or the resolution tags, in this order."""
-    pixels = _ome_pixels(file)
-    found = None if pixels is None else _ome_spacing(pixels)
+    """Spacing (x, y, z) and its unit, from OME, ImageJ, LSM or the resolution tags, in this order."""
+    pixels = _ome_pixels(file, series)
+    found = None if pixels is None else _ome_spacing(job, pixels)
     if found is not None:
         return found
     tags = series.keyframe.tags
     x, y = (_per_pixel(tags, name) for name in ("XResolution", "YResolution"))
     if file.is_imagej:
-        info = file.imagej_metadata or {}
-        unit = str(info.get("unit", "") or "")
-        unit = _SAME_UNIT.get(unit.lower(), "" if unit in ("pixel", "pixels") else unit)
-        z = abs(float(info.get("spacing", 0) or 0))
-        return (x or 1.0, y or 1.0, z or x or 1.0), unit
+        return _imagej_spacing(job, file.imagej_metadata or {}, x, y)
+    if file.is_lsm:
+        metres = [_number((file.lsm_metadata or {}).get(f"VoxelSize{axis}")) for axis in "XYZ"]
+        if all(size is not None and size > 0 for size in metres):
+            x, y, z = (size * 1e6 for size in metres if size is not None)
+            return (x, y, z), "µm"
     code = int(tags["ResolutionUnit"].value) if "ResolutionUnit" in tags else 1
     if not x or not y or code not in _RESOLUTION_UNITS or abs(x - y) < 1e-12:
         # 72 or 300 dots per inch are a printer's, no microscope's; without a z distance they would mislead
@@ -47,6 +63,53 @@ def spacing_of(job: Job, file: tifffile.TiffFile, series: tifffile.TiffPageSerie
     return (x * micrometres, y * micrometres, x * micrometres), "µm"
 
 
+def _imagej_spacing(job: Job, info: dict[str, Any], x: float | None, y: float | None) -> tuple[Vector, str]:
+    """ImageJ leaves out a distance of slices that is 1, and their unit where it is that of the pixels."""
+    unit = _unit(info.get("unit"))
+    given = info.get("spacing")
+    # some versions wrote a comma
+    z = _number(str(given).replace(",", ".")) if given is not None else 1.0
+    if z is None or z == 0:
+        job.note("Its distance of slices is no number; that of its columns is taken.")
+        return (x or 1.0, y or 1.0, x or 1.0), unit
+    return (x or 1.0, y or 1.0, _converted(abs(z), _unit(info.get("zunit") or unit), unit)), unit
+
+
+def calibration_of(job: Job, file: tifffile.TiffFile) -> tuple[float, float, str]:
+    """Slope, intercept and unit of ImageJ's calibrated values; (1, 0, "") where there are none."""
+    info = (file.imagej_metadata or {}) if file.is_imagej else {}
+    if "c0" not in info and "c1" not in info:
+        return 1.0, 0.0, ""
+    intercept, slope = _number(info.get("c0", 0.0)), _number(info.get("c1", 1.0))
+    unit = str(info.get("vunit", "") or "")
+    unit = "" if unit.lower() in ("gray value", "pixel", "none") else unit
+    if int(_number(info.get("cf", 0)) or 0) != 0 or slope is None or intercept is None:
+        job.note("ImageJ calibrates its values by a curve that is not applied; the stored values are shown.")
+        return 1.0, 0.0, ""
+    return slope, intercept, unit
+
+
+def missing_files(job: Job, file: tifffile.TiffFile) -> list[str]:
+    """Names of files of an OME set that do not lie beside the opened one."""
+    names = {e.get("FileName") for e in _ome_elements(file, "UUID")}
+    folder = job.path.parent
+    return sorted(name for name in names if name and not (folder / name).exists())
+
+
+def _unit(text: Any) -> str:
+    """A unit of length as it is written here: escapes and both letters mu resolved; empty for pixels."""
+    name = re.sub(r"\\u([0-9a-fA-F]{4})", lambda code: chr(int(code[1], 16)), str(text or "")).strip()
+    name = name.replace("\u03bc", "µ").replace("\u212b", "Å")
+    return _SAME_UNIT.get(name.lower(), name)
+
+
+def _converted(length: float, unit: str, into: str) -> float:
+    """A length in another unit; as it is where one of the two is not known."""
+    if unit == into or unit not in _MICROMETRES or into not in _MICROMETRES:
+        return length
+    return length * _MICROMETRES[unit] / _MICROMETRES[into]
+
+
 def _per_pixel(tags: Any, name: str) -> float | None:
     if name not in tags:
         return None
@@ -54,9 +117,9 @@ def _per_pixel(tags: Any, name: str) -> float | None:
     return below / above if above and below else None
 
 
-def channels_of(file: tifffile.TiffFile, count: int) -> list[Channel]:
+def channels_of(file: tifffile.TiffFile, series: tifffile.TiffPageSeries, count: int) -> list[Channel]:
     """What OME or ImageJ tell of so many channels; empty when they tell nothing, or of another number."""
-    pixels = _ome_pixels(file)
+    pixels = _ome_pixels(file, series)
     if pixels is not None:
         found = [_ome_channel(element) for element in _children(pixels, "Channel")]
     elif file.is_imagej:
@@ -66,9 +129,9 @@ def channels_of(file: tifffile.TiffFile, count: int) -> list[Channel]:
     return found if len(found) == count and any(channel != Channel() for channel in found) else []
 
 
-def times_of(file: tifffile.TiffFile, count: int) -> list[float] | None:
+def times_of(file: tifffile.TiffFile, series: tifffile.TiffPageSeries, count: int) -> list[float] | None:
     """Seconds of so many time points by OME or ImageJ, None when they do not say it."""
-    pixels = _ome_pixels(file)
+    pixels = _ome_pixels(file, series)
     if pixels is not None:
         return _ome_times(pixels, count)
     step = _number((file.imagej_metadata or {}).get("finterval")) if file.is_imagej else None
@@ -90,33 +153,46 @@ def _imagej_channels(info: dict[str, Any], count: int) -> list[Channel]:
     return found
 
 
-def _ome_pixels(file: tifffile.TiffFile) -> Element | None:
-    """The first element Pixels of OME's description."""
+def _ome_elements(file: tifffile.TiffFile, name: str) -> list[Element]:
+    """Elements of OME's description, in its order; none where there is no readable one."""
     if not file.is_ome:
-        return None
+        return []
     # expat neither fetches external entities nor expands internal ones without bound
     import xml.etree.ElementTree as ET
 
     try:
         root = ET.fromstring(file.ome_metadata or "")  # noqa: S314
     except ET.ParseError:
-        return None
-    return next((e for e in root.iter() if e.tag.endswith("}Pixels")), None)
+        return []
+    return [e for e in root.iter() if e.tag.endswith("}" + name)]
+
+
+def _ome_pixels(file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> Element | None:
+    """The element Pixels of OME's description that belongs to one of the images in the file."""
+    every = _ome_elements(file, "Pixels")
+    number = next((n for n, each in enumerate(file.series) if each is series), 0)
+    return every[number if number < len(every) else 0] if every else None
 
 
 def _children(pixels: Element, name: str) -> list[Element]:
     return [e for e in pixels if e.tag.endswith("}" + name)]
 
 
-def _ome_spacing(pixels: Element) -> tuple[Vector, str] | None:
-    if "PhysicalSizeX" not in pixels.attrib:
+def _ome_spacing(job: Job, pixels: Element) -> tuple[Vector, str] | None:
+    """Every axis has a unit of its own; what one axis lacks is taken from another, with a note."""
+    found = {axis: _number(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ"}
+    sizes = {axis: size for axis, size in found.items() if size is not None and size > 0}
+    if not sizes:
         return None
-    try:
-        x, y, z = (float(pixels.get(f"PhysicalSize{c}", pixels.attrib["PhysicalSizeX"])) for c in "XYZ")
-    except ValueError:
-        return None
-    unit = pixels.get("PhysicalSizeXUnit", "µm")
-    return ((x, y, z), _SAME_UNIT.get(unit.lower(), unit)) if min(x, y, z) > 0 else None
+    units = {axis: _unit(pixels.get(f"PhysicalSize{axis}Unit", "µm")) for axis in sizes}
+    unit = units[next(iter(sizes))]
+    lengths = {axis: _converted(size, units[axis], unit) for axis, size in sizes.items()}
+    in_plane = lengths.get("X") or lengths.get("Y") or lengths["Z"]
+    if "Z" not in lengths and int(_number(pixels.get("SizeZ")) or 1) > 1:
+        job.note("OME does not say how far its slices lie apart; the distance of its columns is taken.")
+    if "X" not in lengths and "Y" not in lengths:
+        job.note("OME gives the distance of slices alone; pixels are taken to be as large.")
+    return (lengths.get("X", in_plane), lengths.get("Y", in_plane), lengths.get("Z", in_plane)), unit
 
 
 def _ome_channel(element: Element) -> Channel:

@@ -266,13 +266,13 @@ def test_a_packed_dicom_file_is_refused_in_words(tmp_path):
         load(path)
 
 
-def test_folders_without_dicom_are_refused_in_words(tmp_path):
+def test_folders_without_volumes_are_refused_in_words(tmp_path):
     (tmp_path / "empty").mkdir()
-    (tmp_path / "pictures").mkdir()
+    (tmp_path / "texts").mkdir()
     for n in range(5):
-        (tmp_path / "pictures" / f"{n}.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(300))
-    for name in ("empty", "pictures"):
-        with pytest.raises(LoadError, match=rf"^{name}: the folder holds no DICOM"):
+        (tmp_path / "texts" / f"{n}.txt").write_bytes(bytes(300))
+    for name in ("empty", "texts"):
+        with pytest.raises(LoadError, match=rf"^{name}: no DICOM slices and no numbered pictures were found"):
             load(tmp_path / name)
 
 

@@ -79,7 +79,8 @@ def test_ome_axes_and_physical_sizes_are_taken(tmp_path, axes):
     sizes = {"T": 2, "C": 3, "Z": 4, "Y": 5, "X": 6}
     array = scalars(tuple(sizes[a] for a in axes), "uint8")
     path = tmp_path / "v.ome.tif"
-    physical = {"PhysicalSizeX": 0.2, "PhysicalSizeY": 0.3, "PhysicalSizeZ": 1.5, "PhysicalSizeXUnit": "nm"}
+    physical = {"PhysicalSizeX": 0.2, "PhysicalSizeY": 0.3, "PhysicalSizeZ": 1.5}
+    physical |= {f"PhysicalSize{a}Unit": "nm" for a in "XYZ"}
     tifffile.imwrite(path, array, ome=True, photometric="minisblack", metadata={"axes": axes, **physical})
     volume = load(path, time=1, channel=2)
     index = tuple({"T": 1, "C": 2}.get(a, slice(None)) for a in axes)
