@@ -117,7 +117,7 @@ def _dtype(kind: Any, endian: str | None) -> np.dtype[Any]:
         if isinstance(kind, str):
             said = _TYPE.fullmatch(kind.lower())
             kind = kind.lower() if said is None else _plain(said)
-        dtype = np.dtype(kind)
+        dtype: np.dtype[Any] = np.dtype(kind)
     except TypeError:
         raise InputError(
             f"dtype {kind!r} is unknown; use uint8, int16, uint16, float32 or the like."
