@@ -56,7 +56,7 @@ OUR_WINDOW = """
 import os, sys, time
 import volviz_ui.app.start
 from PySide6.QtCore import QTimer
-from volviz_ui import main_window
+from volviz_ui.app import main_window
 begin = main_window.MainWindow.__init__
 def init(self, *arguments, **keywords):
     begin(self, *arguments, **keywords)
