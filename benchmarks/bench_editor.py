@@ -1,10 +1,10 @@
-"""How quickly the picture follows the transfer-function editor.
+"""How quickly the image follows the transfer-function editor.
 
     python benchmarks/bench_editor.py tables [FILE]              one change: table, upload, empty space, ...
     python benchmarks/bench_editor.py drag FILE [TECHNIQUE ...]  frames a second while a point is dragged
 
 FILE may be ``sample:<id>``. ``tables`` draws off-screen; ``drag`` opens a window (Xvfb will do), drags the middle point
-of the curve with mouse events, and waits for the picture after every one. Name the machine when quoting figures.
+of the curve with mouse events, and waits for the image after every one. Name the machine when quoting figures.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def bench_tables(source: str) -> None:
 
     import volviz
     from volviz.custom_gl.gpu.resources import PREINTEGRATED_SIZE, PREINTEGRATED_SIZE_INTERACTIVE
-    from volviz.custom_gl.host.pacing import FULL
+    from volviz.custom_gl.vtk.frame_scheduling import FULL
 
     volume = volviz.load(source)
     start = volviz.TransferFunction.auto(volume)
@@ -89,16 +89,16 @@ def bench_drag(source: str, techniques: list[str]) -> None:
     from volviz.environment import prepare
 
     prepare()
-    from volviz_ui.application import make_application
+    from volviz_ui.app.application import make_application
 
     application = make_application()
     from PySide6.QtCore import QEvent, QPointF, QSettings, Qt
     from PySide6.QtGui import QMouseEvent
 
     from volviz.custom_gl.scene_techniques import choose_technique
-    from volviz_ui.main_window import MainWindow
-    from volviz_ui.preferences import Preferences
-    from volviz_ui.theme import Theme
+    from volviz_ui.app.main_window import MainWindow
+    from volviz_ui.session.preferences import Preferences
+    from volviz_ui.style.theme import Theme
 
     def wait(condition: Callable[[], object], seconds: float = 20.0) -> None:
         end = time.perf_counter() + seconds
@@ -118,7 +118,7 @@ def bench_drag(source: str, techniques: list[str]) -> None:
             window.width() + VIEWPORT[0] - viewport.width(), window.height() + VIEWPORT[1] - viewport.height()
         )
         window.open(source)
-        wait(lambda: window.documents.volume is not None and window.display.is_complete)
+        wait(lambda: window.documents.volume is not None and window.controller.is_complete)
         plot = window.transfer_editor.plot
         print(f"{source}, viewport {viewport.width()} x {viewport.height()}")
 
@@ -131,7 +131,7 @@ def bench_drag(source: str, techniques: list[str]) -> None:
         left, none = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
         for technique in techniques:
             choose_technique(window.store, technique)
-            wait(lambda: window.display.is_complete)
+            wait(lambda: window.controller.is_complete)
             function = window.transfer_editor.model.function
             assert function is not None
             point = function.points[len(function.points) // 2]
@@ -146,10 +146,10 @@ def bench_drag(source: str, techniques: list[str]) -> None:
                 send(QEvent.Type.MouseMove, start + QPointF(4 + 0.5 * way, -4 - 0.7 * way), none, left)
                 wait(lambda frames=frames: viewport.frames > frames)
                 times.append(time.perf_counter() - begin)
-                shown.add(round(window.display.status.resolution, 3))
+                shown.add(round(window.controller.status.resolution, 3))
             processor = (time.process_time() - processor) / MOVES
             send(QEvent.Type.MouseButtonRelease, start, left, none)
-            wait(lambda: window.display.is_complete)
+            wait(lambda: window.controller.is_complete)
             times = sorted(times[5:])
             most = 1e3 * times[int(0.9 * len(times))]
             print(

@@ -17,9 +17,9 @@ from typing import Any
 import pyvista
 
 import volviz
-from volviz.framing import default_camera
-from volviz.model.presets import preset_for
-from volviz.offscreen import apply_camera
+from volviz.custom_gl.framing import default_camera
+from volviz.custom_gl.offscreen import apply_camera
+from volviz.model.transfer.presets import preset_for
 
 SCENES = (("mri-head", "mri"), ("ct-chest", "ct-bone"), ("engine", "engine"))
 TECHNIQUES = ("raycast", "two_pass_raycast", "slicing")

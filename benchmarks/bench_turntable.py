@@ -1,9 +1,9 @@
-"""Pictures of a turntable from one `volviz.Renderer` against frames of the same in one open plotter, in turn.
+"""Images of a turntable from one `volviz.Renderer` against frames of the same in one open plotter, in turn.
 
-    python benchmarks/bench_turntable.py [--size 320x240] [--pictures 100] [--sample mri-brain]
+    python benchmarks/bench_turntable.py [--size 320x240] [--images 100] [--sample mri-brain]
 
-Both draw the same volume with the same function from the same cameras; a picture is read back and turned into bytes, a
-frame is only drawn. Prints both medians, the ratio of the sums and the quartiles of the ratios picture by picture: a
+Both draw the same volume with the same function from the same cameras; an image is read back and turned into bytes, a
+frame is only drawn. Prints both medians, the ratio of the sums and the quartiles of the ratios image by image: a
 machine that is slow for a while is so for both.
 """
 
@@ -18,12 +18,12 @@ import numpy as np
 import pyvista
 
 import volviz
-from volviz.framing import default_camera
-from volviz.offscreen import apply_camera
+from volviz.custom_gl.framing import default_camera
+from volviz.custom_gl.offscreen import apply_camera
 
 
 def seconds_of(draw: Callable[[Any], object], camera: Any) -> float:
-    """Wall time of one picture or frame."""
+    """Wall time of one image or frame."""
     begin = time.perf_counter()
     draw(camera)
     return time.perf_counter() - begin
@@ -56,27 +56,27 @@ def main() -> None:
 
     with volviz.Renderer((width, height)) as renderer:
 
-        def picture(view: Any) -> None:
+        def image(view: Any) -> None:
             renderer.render(volume, options.technique, transfer_function=function, camera=view)
 
         for warm_up in (1.0, 2.0):
             frame(camera.turned(warm_up))
-            picture(camera.turned(warm_up))
-        frames, pictures = [], []
-        for number in range(options.pictures):
-            view = camera.turned(360.0 * number / options.pictures)
-            sides = [(frames, frame), (pictures, picture)]
+            image(camera.turned(warm_up))
+        frames, images = [], []
+        for number in range(options.images):
+            view = camera.turned(360.0 * number / options.images)
+            sides = [(frames, frame), (images, image)]
             for times, draw in sides if number % 2 == 0 else sides[::-1]:
                 times.append(seconds_of(draw, view))
         opengl = renderer.opengl
     plotter.close()
-    low, middle, high = np.quantile(np.array(pictures) / np.array(frames), (0.25, 0.5, 0.75))
-    print(f"{opengl}: {options.sample}, {options.technique}, {width} x {height}, {options.pictures} pictures")
+    low, middle, high = np.quantile(np.array(images) / np.array(frames), (0.25, 0.5, 0.75))
+    print(f"{opengl}: {options.sample}, {options.technique}, {width} x {height}, {options.images} pictures")
     print(
-        f"frame in an open plotter {1000 * np.median(frames):.2f} ms, picture {1000 * np.median(pictures):.2f} ms"
+        f"frame in an open plotter {1000 * np.median(frames):.2f} ms, picture {1000 * np.median(images):.2f} ms"
     )
     print(
-        f"pictures / frames: {sum(pictures) / sum(frames):.3f} in all, "
+        f"pictures / frames: {sum(images) / sum(frames):.3f} in all, "
         f"median {middle:.3f} ({low:.3f} to {high:.3f})"
     )
 

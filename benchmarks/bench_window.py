@@ -1,6 +1,6 @@
-"""How the window feels: time to the first picture, frames a second of a drag, longest gaps of the event loop.
+"""How the window feels: time to the first image, frames a second of a drag, longest gaps of the event loop.
 
-    python benchmarks/bench_window.py start FILE [--pairs 5]      first complete picture beside an empty window
+    python benchmarks/bench_window.py start FILE [--pairs 5]      first complete image beside an empty window
     python benchmarks/bench_window.py drag FILE [TECHNIQUE ...]   frames a second of a drag, and the gaps around it
     python benchmarks/bench_window.py open FILE FILE ...          gaps while files are opened one after another
     python benchmarks/bench_window.py idle FILE                   frames that an idle window draws in ten seconds
@@ -54,7 +54,7 @@ os._exit(0)
 
 OUR_WINDOW = """
 import os, sys, time
-import volviz_ui.app
+import volviz_ui.app.start
 from PySide6.QtCore import QTimer
 from volviz_ui import main_window
 begin = main_window.MainWindow.__init__
@@ -68,7 +68,7 @@ def init(self, *arguments, **keywords):
     timer.timeout.connect(look)
     timer.start(5)
 main_window.MainWindow.__init__ = init
-volviz_ui.app.main([sys.argv[1]])
+volviz_ui.app.start.main([sys.argv[1]])
 """
 
 
@@ -83,7 +83,7 @@ def child(program: str, *arguments: str) -> tuple[float, float]:
 
 
 def bench_start(source: str, pairs: int) -> None:
-    """Print the time to the first complete picture above that of an empty window, pair by pair in turn."""
+    """Print the time to the first complete image above that of an empty window, pair by pair in turn."""
     for program, arguments in ((EMPTY_WINDOW, ()), (OUR_WINDOW, (source,))):
         child(program, *arguments)  # fills the caches of the disk
     empty, ours = [], []
@@ -159,15 +159,15 @@ class Session:
         from volviz.environment import prepare
 
         prepare()
-        from volviz_ui.application import make_application
+        from volviz_ui.app.application import make_application
 
         self.application = make_application()
         from PySide6.QtCore import QSettings
 
-        from volviz_ui.main_window import MainWindow
-        from volviz_ui.memory import spare_lasting_objects
-        from volviz_ui.preferences import Preferences
-        from volviz_ui.theme import Theme
+        from volviz_ui.app.main_window import MainWindow
+        from volviz_ui.session.memory import spare_lasting_objects
+        from volviz_ui.session.preferences import Preferences
+        from volviz_ui.style.theme import Theme
 
         folder = tempfile.mkdtemp()
         kept = QSettings(str(Path(folder) / "settings.ini"), QSettings.Format.IniFormat)
@@ -203,9 +203,9 @@ class Session:
             self.gaps.tick()
 
     def settle(self) -> float:
-        """Wait for the complete picture; seconds it took to come."""
+        """Wait for the complete image; seconds it took to come."""
         begin = time.perf_counter()
-        self.wait(lambda: self.window.display.is_complete and not self.window.documents.is_loading)
+        self.wait(lambda: self.window.controller.is_complete and not self.window.documents.is_loading)
         return time.perf_counter() - begin
 
     def open(self, source: str) -> None:
@@ -230,7 +230,7 @@ class Session:
         self.spin(0.02)
         self.settle()
         seconds = time.perf_counter() - begin
-        drawn = self.window.display.status.seconds
+        drawn = self.window.controller.status.seconds
         print(
             f"switch to {technique}: complete after {seconds:.2f} s, drawn in {drawn:.2f} s, "
             f"longest gap {self.gaps.milliseconds():.0f} ms"
@@ -252,7 +252,7 @@ class Session:
         from PySide6.QtCore import QEvent, Qt
 
         left, none = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
-        status = self.window.display
+        status = self.window.controller
         x, y = self.size[0] * 0.4, self.size[1] * 0.5
         self.gaps.restart()
         self.mouse(QEvent.Type.MouseButtonPress, x, y, left, left)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import hypothesis
 import pytest
 
-from tests.displays import NO_DISPLAY, window_can_open
 from tests.leaks import Watch, thaw
+from tests.screens import NO_DISPLAY, window_can_open
 from volviz.environment import prepare
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ FAILED = pytest.StashKey[bool]()
 if sys.platform.startswith("linux"):
     os.environ.pop("WAYLAND_DISPLAY", None)
     os.environ["QT_QPA_PLATFORM"] = "xcb"
-    # Pictures are drawn as on a machine without a display, though the tests of the window have one.
+    # Images are drawn as on a machine without a display, though the tests of the window have one.
     os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
 prepare()
 if "PYTEST_XDIST_WORKER" in os.environ:
@@ -106,7 +106,7 @@ def memory_is_given_back(request: pytest.FixtureRequest) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def qapp_args() -> list[str]:
-    """Runs before the application is made: unless contexts share, a floating dock loses its picture."""
+    """Runs before the application is made: unless contexts share, a floating dock loses its image."""
     from PySide6.QtCore import QCoreApplication, Qt
 
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from volviz.api import presets as presets
     from volviz.api import show as show
     from volviz.api import techniques as techniques
-    from volviz.custom_gl.host import VolumeHandle as VolumeHandle
-    from volviz.custom_gl.host import add_volume as add_volume
+    from volviz.custom_gl.vtk import VolumeHandle as VolumeHandle
+    from volviz.custom_gl.vtk import add_volume as add_volume
     from volviz.errors import VolvizError as VolvizError
     from volviz.io import load as load
     from volviz.io import open as open  # noqa: A004 - as in tifffile, PIL
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from volviz.model.layers import ImageLayer as ImageLayer
     from volviz.model.layers import LabelLayer as LabelLayer
     from volviz.model.light import Light as Light
-    from volviz.model.transfer_function import TransferFunction as TransferFunction
-    from volviz.model.volume import Volume as Volume
+    from volviz.model.transfer.function import TransferFunction as TransferFunction
     from volviz.renderer import Renderer as Renderer
     from volviz.renderer import render as render
+    from volviz.volume_data.volume import Volume as Volume
 
 _PUBLIC = {
     "Camera": "volviz.model.camera",
@@ -39,11 +39,11 @@ _PUBLIC = {
     "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
     "Renderer": "volviz.renderer",
-    "TransferFunction": "volviz.model.transfer_function",
-    "Volume": "volviz.model.volume",
-    "VolumeHandle": "volviz.custom_gl.host",
+    "TransferFunction": "volviz.model.transfer.function",
+    "Volume": "volviz.volume_data.volume",
+    "VolumeHandle": "volviz.custom_gl.vtk",
     "VolvizError": "volviz.errors",
-    "add_volume": "volviz.custom_gl.host",
+    "add_volume": "volviz.custom_gl.vtk",
     "extract_isosurface": "volviz.meshes.polydata",
     "load": "volviz.io",
     "open": "volviz.io",

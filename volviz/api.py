@@ -8,8 +8,8 @@ from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo
-    from volviz.model.presets import Preset
-    from volviz.model.volume import Volume
+    from volviz.model.transfer.presets import Preset
+    from volviz.volume_data.volume import Volume
 
 
 def techniques() -> dict[str, TechniqueInfo]:
@@ -21,7 +21,7 @@ def techniques() -> dict[str, TechniqueInfo]:
 
 def presets() -> dict[str, Preset]:
     """All bundled transfer-function presets by id."""
-    from volviz.model.presets import presets as bundled
+    from volviz.model.transfer.presets import presets as bundled
 
     return bundled()
 
@@ -47,8 +47,8 @@ def show(
     object
         What `pyvista.Plotter.show` returns.
     """
-    from volviz.custom_gl.host import add_volume
-    from volviz.custom_gl.host.vtk_border import pyvista
+    from volviz.custom_gl.vtk import add_volume
+    from volviz.custom_gl.vtk.vtk_imports import pyvista
 
     plotter = pyvista.Plotter()
     add_volume(plotter, volume, technique=technique, transfer_function=transfer_function, **settings)

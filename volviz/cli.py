@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import bench, compare, inspect, meshes, pictures
+    from volviz.commands import bench, compare, images, inspect, meshes
 
     parser = argparse.ArgumentParser(
         prog="volviz",
@@ -61,7 +61,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (pictures, compare, bench, meshes, inspect):
+    for module in (images, compare, bench, meshes, inspect):
         module.add_commands(commands)
     return parser
 
@@ -92,7 +92,7 @@ def _open_window(arguments: Sequence[str]) -> int:
             "volviz render FILE -o picture.png."
         )
     # the one place where the library imports the desktop program
-    from volviz_ui.app import main as start
+    from volviz_ui.app.start import main as start
 
     return int(start(list(arguments)))
 

@@ -20,7 +20,7 @@ class SettingError(InputError):
 
 
 class RenderError(VolvizError):
-    """Drawing failed: no usable OpenGL, a shader that does not compile, a picture that does not fit."""
+    """Drawing failed: no usable OpenGL, a shader that does not compile, an image that does not fit."""
 
 
 class ShaderError(RenderError):

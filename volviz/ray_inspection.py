@@ -1,4 +1,4 @@
-"""Why a pixel looks as it does: the ray behind it, sample by sample, with the settings that draw the picture."""
+"""Why a pixel looks as it does: the ray behind it, sample by sample, with the settings that draw the image."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from volviz.custom_gl.resolve import ResolvedSpec, Volumes, resolve
 from volviz.custom_gl.settings import CommonSettings
 from volviz.errors import InputError
 from volviz.kernels.preintegration import extinction_sums
-from volviz.kernels.reference_profile import (
+from volviz.model.render_spec import RenderSpec, View
+from volviz.model.transfer.function import table_size
+from volviz.reference.ray_profile import (
     SCALAR_MODES,
     Classify,
     Lattice,
@@ -26,13 +28,11 @@ from volviz.kernels.reference_profile import (
     sample,
     slice_pieces,
 )
-from volviz.kernels.reference_sampling import Shading
-from volviz.model.render_spec import RenderSpec, View
-from volviz.model.transfer_function import table_size
+from volviz.reference.sampling import Shading
 
 if TYPE_CHECKING:
-    from volviz.model.transfer_function import TransferFunction
-    from volviz.model.volume import Volume
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.volume_data.volume import Volume
 
 #: World length between samples when crossings of isovalues are looked for, as a share of the smallest spacing.
 CROSSING_STEP = 0.25
@@ -60,7 +60,7 @@ class RayInspection:
         Its samples.
     exact : bool
         The technique samples rays (or slices) like this, so that the last accumulated colour is the pixel's;
-        False: the picture is made in another way, and this is what ray casting would gather.
+        False: the image is made in another way, and this is what ray casting would gather.
     technique, mode : str
         Id of the technique, and its mode ("composite" where it has none).
     acts_on_scalar : bool
@@ -69,10 +69,10 @@ class RayInspection:
         The samples are moved by a noise of the pixel's own.
     preintegrated : bool
         Pieces are classified by the values at both ends.
-    shows_machinery : bool
-        The technique shows something else than its picture.
+    shows_debug_view : bool
+        The technique shows something else than its image.
     reduced : bool
-        The picture may be drawn from smoothed, coarser data (mipmaps).
+        The image may be drawn from smoothed, coarser data (mipmaps).
     crossings : tuple of Crossing
         Where the ray meets the surfaces of techniques that have isovalues.
     """
@@ -86,7 +86,7 @@ class RayInspection:
     acts_on_scalar: bool
     jittered: bool
     preintegrated: bool
-    shows_machinery: bool
+    shows_debug_view: bool
     reduced: bool
     crossings: tuple[Crossing, ...] = ()
 
@@ -129,7 +129,7 @@ def inspect_ray(
     shown = resolve(replace(spec, surface_colors=None), volumes)
     if view.camera is None:
         raise InputError(
-            "a ray starts from a camera: give the view one, such as volviz.framing.default_camera."
+            "a ray starts from a camera: give the view one, such as volviz.custom_gl.framing.default_camera."
         )
     volume, info, size = shown.volume, shown.info, view.size
     # what other techniques have in common with ray casting; their modes mean something else
@@ -164,7 +164,7 @@ def inspect_ray(
         acts_on_scalar=optics.mode in SCALAR_MODES,
         jittered=jitter is not None,
         preintegrated=optics.extinction is not None,
-        shows_machinery=common.display not in ("image", "both"),
+        shows_debug_view=common.display not in ("image", "both"),
         reduced=common.mipmaps,
         crossings=_crossings(volume, lattice, span, shown.isovalues),
     )
@@ -221,7 +221,7 @@ def _by_gradient(function: TransferFunction) -> Classify:
 
 
 def _by_value(volume: Volume, function: TransferFunction, integer: bool) -> Classify:
-    """Look-up in the table that the pictures are drawn with."""
+    """Look-up in the table that the images are drawn with."""
     first, last = function.table_range(volume.range)
     table = function.bake((first, last), table_size((first, last), integer)).astype(np.float64)
     places = np.linspace(first, last, len(table))

@@ -1,4 +1,4 @@
-"""Pictures without a window: `volviz.render` for one, `volviz.Renderer` for many from one OpenGL context."""
+"""Images without a window: `volviz.render` for one, `volviz.Renderer` for many from one OpenGL context."""
 
 from __future__ import annotations
 
@@ -12,21 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.arguments import spec_of
-from volviz.custom_gl.host import VolumeHandle, add_spec
-from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.custom_gl.host.window_gpu import WindowGpu, acquire, give_back
-from volviz.custom_gl.resolve import Volumes, resolve
-from volviz.errors import Cancelled, RenderError
-from volviz.framing import default_camera
-from volviz.model.camera import Camera
-from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer, LabelLayer
-from volviz.model.light import Light
-from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec, View
-from volviz.model.surface_values import SurfaceColors
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
-from volviz.offscreen import (
+from volviz.custom_gl.framing import default_camera
+from volviz.custom_gl.offscreen import (
     MAX_SIZE,
     apply_camera,
     background_color,
@@ -36,16 +23,29 @@ from volviz.offscreen import (
     look_at_tile,
     tiles_of,
 )
+from volviz.custom_gl.resolve import Volumes, resolve
+from volviz.custom_gl.vtk import VolumeHandle, add_spec
+from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.custom_gl.vtk.window_gpu import WindowGpu, acquire, give_back
+from volviz.errors import Cancelled, RenderError
+from volviz.model.camera import Camera
+from volviz.model.clipping import Clipping
+from volviz.model.layers import ImageLayer, LabelLayer
+from volviz.model.light import Light
+from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec, View
+from volviz.model.surface_values import SurfaceColors
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.source import VolumeSource
+from volviz.volume_data.volume import Volume
 
-Shown = Volume | VolumeSource | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer]
+Drawable = Volume | VolumeSource | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer]
 Pixels = npt.NDArray[np.float32]
 DType = Literal["uint8", "float32"]
-#: Left, top, width and height of a part of a picture, in pixels.
+#: Left, top, width and height of a part of an image, in pixels.
 Region = tuple[int, int, int, int]
 Part = tuple[Region, Pixels]
 
-#: Pictures that are drawn a little at a time are cut into tiles of `TILE` pixels an edge where an edge is longer than
+#: Images that are drawn a little at a time are cut into tiles of `TILE` pixels an edge where an edge is longer than
 #: `UNCUT`: a tile is held as 32-bit floats with depth, which 16384 x 16384 pixels would need 5 GB for.
 UNCUT, TILE = 2048, 1024
 #: Seconds of drawing between two looks at `cancel`.
@@ -53,7 +53,7 @@ TURN_SECONDS = 0.03
 
 
 def render(
-    volume: Shown,
+    volume: Drawable,
     technique: str = DEFAULT_TECHNIQUE,
     *,
     transfer_function: TransferFunction | None = None,
@@ -67,7 +67,7 @@ def render(
     classic: bool = False,
     **values: Any,
 ) -> npt.NDArray[Any]:
-    """A picture of a volume, drawn off-screen at full quality; many of them come faster from a `Renderer`.
+    """An image of a volume, drawn off-screen at full quality; many of them come faster from a `Renderer`.
 
     Parameters
     ----------
@@ -94,17 +94,17 @@ def render(
 
 
 class Renderer:
-    """Draws pictures off-screen, many from one OpenGL context; a context manager.
+    """Draws images off-screen, many from one OpenGL context; a context manager.
 
-    What stays the same from one picture to the next is kept: textures, shader programs, meshes. The context is made
-    with the first picture, and belongs to the thread that draws it.
+    What stays the same from one image to the next is kept: textures, shader programs, meshes. The context is made
+    with the first image, and belongs to the thread that draws it.
 
     Parameters
     ----------
     size : tuple of 2 ints, default: (800, 600)
-        Width and height of the pictures in pixels, 1..16384.
+        Width and height of the images in pixels, 1..16384.
     largest_tile : int, optional
-        Largest edge in pixels of what is drawn in one piece; the default is the limit of the driver. Larger pictures
+        Largest edge in pixels of what is drawn in one piece; the default is the limit of the driver. Larger images
         are drawn tile by tile.
 
     Raises
@@ -121,15 +121,15 @@ class Renderer:
         self._gpu: WindowGpu | None = None
         self._closed = False
 
-    # ------------------------------------------------------------------ pictures
+    # ------------------------------------------------------------------ images
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the pictures in pixels."""
+        """Width and height of the images in pixels."""
         return self._size
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Draw pictures of another size from now on.
+        """Draw images of another size from now on.
 
         Raises
         ------
@@ -141,7 +141,7 @@ class Renderer:
 
     def render(
         self,
-        volume: Shown,
+        volume: Drawable,
         technique: str = DEFAULT_TECHNIQUE,
         *,
         transfer_function: TransferFunction | None = None,
@@ -157,7 +157,7 @@ class Renderer:
         cancel: Callable[[], bool] | None = None,
         **values: Any,
     ) -> npt.NDArray[Any]:
-        """A picture of a volume at full quality.
+        """An image of a volume at full quality.
 
         Parameters
         ----------
@@ -171,7 +171,7 @@ class Renderer:
             A `volviz.Camera`, or position, focal point and view up as PyVista writes them (view angle 30
             degrees); the default frames what is visible.
         background : colour, optional
-            Three floats 0..1 or a colour name makes the picture opaque; None gives straight alpha.
+            Three floats 0..1 or a colour name makes the image opaque; None gives straight alpha.
         dtype : {"uint8", "float32"}
             Values 0..255, or 0..1 without rounding.
         settings, light, clipping, classic, **values
@@ -210,7 +210,7 @@ class Renderer:
         progress: Callable[[float], None] | None = None,
         cancel: Callable[[], bool] | None = None,
     ) -> npt.NDArray[Any]:
-        """A picture of what a spec says, from a view of any size.
+        """An image of what a spec says, from a view of any size.
 
         Parameters
         ----------
@@ -243,7 +243,7 @@ class Renderer:
         if in_turns and max(view.size) > UNCUT:
             edge = min(edge, TILE)
         width, height = view.size
-        picture = np.empty((height, width, 4), dtype)
+        image = np.empty((height, width, 4), dtype)
         parts = self._parts(spec, view, volumes, edge, TURN_SECONDS if in_turns else None)
         fraction, part = 0.0, None
         while fraction < 1.0:
@@ -252,19 +252,19 @@ class Renderer:
             fraction, part = next(parts)
             if part is not None:
                 (x, y, w, h), pixels = part
-                picture[y : y + h, x : x + w] = finished(pixels, view.background, dtype)
+                image[y : y + h, x : x + w] = finished(pixels, view.background, dtype)
             if progress is not None:
                 progress(fraction)
             if self._handle is not None and self._handle.is_waiting:
                 self._handle.wait(TURN_SECONDS)
-        return picture
+        return image
 
     def turns(
         self, spec: RenderSpec, view: View, volumes: Volumes | None = None, *, seconds: float = TURN_SECONDS
     ) -> Iterator[tuple[float, Part | None]]:
-        """Draw a picture a little at a time, for windows that must stay alive meanwhile.
+        """Draw an image a little at a time, for windows that must stay alive meanwhile.
 
-        Whoever stops iterating gives the picture up.
+        Whoever stops iterating gives the image up.
 
         Parameters
         ----------
@@ -276,7 +276,7 @@ class Renderer:
         Yields
         ------
         fraction : float
-            Part of the picture that is drawn, 0..1.
+            Part of the image that is drawn, 0..1.
         part : tuple or None
             A tile that is ready, and its pixels: shape (height, width, 4), float32, premultiplied, row 0 at the top.
 
@@ -327,7 +327,7 @@ class Renderer:
 
     @property
     def notice(self) -> str:
-        """What the last picture shows differently from what was asked for; empty when nothing."""
+        """What the last image shows differently from what was asked for; empty when nothing."""
         return "" if self._handle is None else self._handle.notice
 
     @property
@@ -409,7 +409,7 @@ class Renderer:
     def _parts(
         self, spec: RenderSpec, view: View, volumes: Volumes | None, edge: int, seconds: float | None
     ) -> Iterator[tuple[float, Part | None]]:
-        """The picture tile by tile, at once or in turns of so many seconds; as from `turns`."""
+        """The image tile by tile, at once or in turns of so many seconds; as from `turns`."""
         view = self._framed(spec, view, volumes)
         width, height = (min(edge, n) for n in view.size)
         tiles = tiles_of(view.size, (width, height))
@@ -422,7 +422,7 @@ class Renderer:
                 # a tile begins with a coarse image, which is reported as complete (1) although the tile is not
                 yield (done + (within if within < 1.0 else 0.0)) / len(tiles), None
             handle.raise_error()
-            yield (done + 1) / len(tiles), (tile, handle.read_picture()[: tile[3], : tile[2]])
+            yield (done + 1) / len(tiles), (tile, handle.read_image()[: tile[3], : tile[2]])
 
     def _frame(
         self,
@@ -435,11 +435,11 @@ class Renderer:
     ) -> VolumeHandle:
         """Draw a frame into the window: complete, or only begun where the rest is to follow in turns."""
         plotter, handle = self._plotter, self._handle
-        pacer = _Turns() if in_turns else None
+        scheduler = _Turns() if in_turns else None
         if handle is None:
-            handle = self._handle = add_spec(plotter, spec, volumes, pacer=pacer)
+            handle = self._handle = add_spec(plotter, spec, volumes, pacer=scheduler)
         else:
-            handle.pacer = pacer
+            handle.scheduler = scheduler
             handle.show(spec, volumes)
         assert view.camera is not None
         apply_camera(plotter.camera, view.camera)
@@ -454,7 +454,7 @@ class Renderer:
 
 
 class _Turns:
-    """The pacer of pictures that are asked for turn by turn anyway."""
+    """The frame scheduler of images that are asked for turn by turn anyway."""
 
     def request(self, handle: object) -> None:
         """`Renderer` comes back by itself."""

@@ -70,7 +70,7 @@ def raw(folder: Path) -> Path:
     return folder / "v_50x40x12_int16.raw"
 
 
-def pictures(folder: Path) -> Path:
+def images(folder: Path) -> Path:
     import tifffile
 
     stack = folder / "pictures"
@@ -88,7 +88,7 @@ WRITERS = {
     "VTK image": vtk_xml,
     "TIFF": tiff,
     "DICOM": dicom,
-    "Pictures": pictures,
+    "Pictures": images,
     "NumPy": numpy_file,
     "Raw": raw,
 }
@@ -139,11 +139,11 @@ def test_progress_rises_to_one(reader, file):
 
 
 @by_reader
-@pytest.mark.parametrize("patience", [0, 1])
-def test_loading_can_be_cancelled(reader, file, patience):
+@pytest.mark.parametrize("timeout", [0, 1])
+def test_loading_can_be_cancelled(reader, file, timeout):
     asked = iter(range(1000))
     with pytest.raises(Cancelled, match="cancelled"):
-        load(file, cancel=lambda: next(asked) >= patience)
+        load(file, cancel=lambda: next(asked) >= timeout)
 
 
 @by_reader

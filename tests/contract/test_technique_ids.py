@@ -20,7 +20,7 @@ OTHER_MEANINGS = {
     "volviz/__init__.py": {"marching_cubes"},  # the function
     "volviz/cli.py": {"isosurface"},  # the command
     "volviz/commands/meshes.py": {"isosurface"},
-    "volviz/custom_gl/vtk_props/volumes.py": {"isosurface"},  # a blend mode of VTK's mapper
+    "volviz/custom_gl/vtk_props/volume_props.py": {"isosurface"},  # a blend mode of VTK's mapper
     "volviz/kernels/marching/__init__.py": {"marching_cubes"},
     "volviz/kernels/marching/extract.py": {"marching_cubes", "marching_tetrahedra"},  # names of methods
     "volviz/model/render_spec.py": {DEFAULT_TECHNIQUE},  # what draws unless a technique is named

@@ -16,21 +16,21 @@ import volviz
 import volviz.custom_gl.techniques as package
 from tests.leaks import Watch
 from tests.render.scenes import camera, function, volume
-from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.offscreen import apply_camera
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import SharedSettings
+from volviz.custom_gl.vtk.vtk_imports import pyvista
 from volviz.model.parameters import Cost, Parameter, make_settings, parameters_of
-from volviz.offscreen import apply_camera
 
 #: High enough for two tiles, which are 64 pixels high.
 SIZE = (72, 88)
-#: Enough where it counts what is compiled and uploaded: nobody looks at the picture.
+#: Enough where it counts what is compiled and uploaded: nobody looks at the image.
 TINY = (24, 24)
 FOLDER = Path(package.__path__[0])
 #: Those that read our textures of the volume; VTK's own mappers upload theirs past us.
 TEXTURED = [key for key, info in techniques().items() if info.uses_textures]
 
-#: A step in the picture that counts as a change: half a grey level, somewhere.
+#: A step in the image that counts as a change: half a grey level, somewhere.
 CHANGE = 0.5 / 255
 
 
@@ -53,13 +53,13 @@ class Stage:
         self.window.reset_camera_clipping_range()
         self.handle.update(crop=None, clip_planes=())
 
-    def picture(self, **values: Any) -> Any:
-        """The picture with these values and defaults otherwise."""
+    def image(self, **values: Any) -> Any:
+        """The image with these values and defaults otherwise."""
         info = self.handle.technique
         self.handle.update(settings=make_settings(info.settings, values, owner=info.id))
         self.window.render()
         self.handle.raise_error()
-        return self.handle.read_picture()
+        return self.handle.read_image()
 
 
 @contextmanager
@@ -79,7 +79,7 @@ def stage(technique: str, dtype: Any = np.float32, size: tuple[int, int] = SIZE)
 
 @pytest.fixture(scope="module", params=list(techniques()))
 def shared(request: pytest.FixtureRequest) -> Iterator[Stage]:
-    """One stage for all tests that look at pictures of a technique; what it leaves behind is looked for at its end."""
+    """One stage for all tests that look at images of a technique; what it leaves behind is looked for at its end."""
     watch = Watch(objects=True)
     with stage(request.param) as made:
         yield made
@@ -91,7 +91,7 @@ def shared(request: pytest.FixtureRequest) -> Iterator[Stage]:
 
 @pytest.fixture
 def on(shared: Stage) -> Stage:
-    """The shared stage, seen as at first. What a technique keeps from picture to picture is no leak."""
+    """The shared stage, seen as at first. What a technique keeps from image to image is no leak."""
     shared.look()
     return shared
 
@@ -161,23 +161,23 @@ def test_the_classic_values_draw_a_picture(technique: str) -> None:
     info = techniques()[technique]
     # they were made for bytes
     with stage(technique, np.uint8) as on:
-        picture = on.picture(**info.classic)
-        assert np.isfinite(picture).all()
-        assert (picture[..., 3] > 0.02).mean() > 0.005
+        image = on.image(**info.classic)
+        assert np.isfinite(image).all()
+        assert (image[..., 3] > 0.02).mean() > 0.005
 
 
 @pytest.mark.parametrize("technique", TEXTURED)
 def test_a_cheap_setting_compiles_and_uploads_nothing(technique: str) -> None:
     info = techniques()[technique]
     with stage(technique, size=TINY) as on:
-        on.picture()
+        on.image()
         gpu = on.handle.gpu
         for p in info.parameters:
             if p.cost is not Cost.VALUE or p.kind == "path":
                 continue
             for value in other_values(p)[:2]:
                 compiled, uploads = gpu.programs.compiled, gpu.uploads
-                on.picture(**{p.name: value})
+                on.image(**{p.name: value})
                 assert gpu.programs.compiled == compiled, f"{p.name} compiles a program"
                 assert gpu.uploads == uploads, f"{p.name} uploads a texture"
 
@@ -205,11 +205,11 @@ def test_vtk_draws_as_before_after_the_technique_was_there(technique: str) -> No
 
 @pytest.mark.leaks_allowed("the shared stage is searched at its end")
 def test_the_default_picture_is_neither_empty_nor_solid(on: Stage) -> None:
-    picture = on.picture()
-    alpha = picture[..., 3]
-    assert np.isfinite(picture).all()
+    image = on.image()
+    alpha = image[..., 3]
+    assert np.isfinite(image).all()
     assert 0.01 < (alpha > 0.05).mean() < 0.9
-    assert picture[..., :3].std() > 0.01
+    assert image[..., :3].std() > 0.01
     assert alpha.max() <= 1.0 + 1e-4
 
 
@@ -218,13 +218,13 @@ def test_each_setting_changes_the_picture_or_says_why_not(on: Stage) -> None:
     info = on.handle.technique
     # coarse samples, since the default ones are so fine that where they lie cannot be seen
     coarse = {"step": 2.0} if any(p.name == "step" for p in info.parameters) else {}
-    default = on.picture(**coarse)
+    default = on.image(**coarse)
     dead = [
         p.name
         for p in info.parameters
         if p.name not in info.inert
         and not any(
-            np.abs(on.picture(**(coarse | {p.name: v})) - default).max() > CHANGE for v in other_values(p)
+            np.abs(on.image(**(coarse | {p.name: v})) - default).max() > CHANGE for v in other_values(p)
         )
     ]
     assert not dead, f"these settings change nothing: {', '.join(dead)}"
@@ -239,49 +239,47 @@ def test_a_setting_that_acts_only_with_another_one_acts_with_it(on: Stage) -> No
             continue
         name, values = p.enabled_by
         enabled = {name: values[0]}
-        base = on.picture(**enabled)
-        if not any(
-            np.abs(on.picture(**enabled, **{p.name: v}) - base).max() > CHANGE for v in other_values(p)
-        ):
+        base = on.image(**enabled)
+        if not any(np.abs(on.image(**enabled, **{p.name: v}) - base).max() > CHANGE for v in other_values(p)):
             dead.append(p.name)
     assert not dead, f"these settings change nothing even when they are enabled: {', '.join(dead)}"
 
 
 @pytest.mark.leaks_allowed("the shared stage is searched at its end")
 def test_chunks_make_the_same_picture_as_one_piece(on: Stage) -> None:
-    whole = on.picture()
+    whole = on.image()
     on.handle.invalidate()
     turns = 0
     while not on.handle.refine(budget=0.0):
         turns += 1
         assert turns < 5000
     assert turns > 0
-    assert np.abs(on.handle.read_picture() - whole).max() <= 1 / 255
+    assert np.abs(on.handle.read_image() - whole).max() <= 1 / 255
 
 
 @pytest.mark.leaks_allowed("the shared stage is searched at its end")
 def test_an_interrupted_picture_does_not_show_in_the_next_one(on: Stage) -> None:
-    whole = on.picture()
+    whole = on.image()
     on.window.camera.Azimuth(40)
     on.handle.invalidate()
     assert not on.handle.refine(budget=0.0)
     on.window.camera.Azimuth(-40)
-    again = on.picture()
+    again = on.image()
     assert np.abs(again - whole).max() <= 1 / 255
 
 
 @pytest.mark.leaks_allowed("the shared stage is searched at its end")
 def test_crop_box_and_clip_planes_take_something_away(on: Stage) -> None:
-    full = on.picture()[..., 3]
+    full = on.image()[..., 3]
     x, y, z = on.volume.dimensions
     on.handle.update(crop=(0, (x - 1) / 2, 0, y - 1, 0, z - 1))
     on.window.render()
     on.handle.raise_error()
-    cropped = on.handle.read_picture()[..., 3]
+    cropped = on.handle.read_image()[..., 3]
     on.handle.update(crop=None, clip_planes=((on.volume.center, (1.0, 0.0, 0.0)),))
     on.window.render()
     on.handle.raise_error()
-    clipped = on.handle.read_picture()[..., 3]
+    clipped = on.handle.read_image()[..., 3]
     covered = (full > 0.05).sum()
     for cut in (cropped, clipped):
         assert 0 < (cut > 0.05).sum() < covered
@@ -290,7 +288,7 @@ def test_crop_box_and_clip_planes_take_something_away(on: Stage) -> None:
 @pytest.mark.leaks_allowed("the shared stage is searched at its end")
 def test_parallel_projection_and_a_camera_inside_draw_without_error(on: Stage) -> None:
     on.window.camera.SetParallelProjection(True)
-    parallel = on.picture()
+    parallel = on.image()
     assert np.isfinite(parallel).all()
     assert (parallel[..., 3] > 0.05).mean() > 0.01
     on.window.camera.SetParallelProjection(False)
@@ -298,4 +296,4 @@ def test_parallel_projection_and_a_camera_inside_draw_without_error(on: Stage) -
     on.window.camera.SetPosition(x, y, z)
     on.window.camera.SetFocalPoint(x + 3.0, y + 7.0, z + 2.0)
     on.window.reset_camera_clipping_range()
-    assert np.isfinite(on.picture()).all()
+    assert np.isfinite(on.image()).all()

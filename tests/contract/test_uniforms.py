@@ -15,19 +15,19 @@ import volviz
 import volviz.custom_gl
 from tests.render.scenes import function, shown, volume
 from volviz.custom_gl.gpu.programs import Program
-from volviz.custom_gl.host.vtk_border import pyvista
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import MODES
 from volviz.custom_gl.shader_source import GLSL, ShaderText
+from volviz.custom_gl.vtk.vtk_imports import pyvista
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
-from volviz.model.transfer_function_2d import Region, TransferFunction2D
+from volviz.model.transfer.function_2d import Region, TransferFunction2D
 
 SIZE = (64, 48)
 _DECLARATION = re.compile(r"^\s*uniform\s+\w+\s+(\w+)\s*(?:\[\w+\])?\s*;", re.MULTILINE)
 
 
 class Record:
-    """What was set and what was read while pictures were drawn.
+    """What was set and what was read while images were drawn.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ def draw(technique: str) -> None:
             transfer_function=volviz.TransferFunction(curve.points, by_gradient=TransferFunction2D((region,)))
         )
         show(transfer_function=curve)
-        for display, _ in handle.technique.displays:
+        for display, _ in handle.technique.debug_views:
             show(display=display)
         show(display="image")
         show(surface="mesh", cut_out=False)

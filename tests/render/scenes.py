@@ -1,4 +1,4 @@
-"""Small volumes, cameras and the oracle's picture of them, for the tests that look at pixels."""
+"""Small volumes, cameras and the oracle's image of them, for the tests that look at pixels."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 import volviz
-from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.offscreen import apply_camera
 from volviz.custom_gl.registry import technique
-from volviz.kernels.reference import Shading, reference_render
-from volviz.model.transfer_function import table_size
-from volviz.offscreen import apply_camera
+from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.model.transfer.function import table_size
+from volviz.reference.image import Shading, reference_render
 
 SIZE = (64, 64)
 
@@ -54,7 +54,7 @@ def blobs(
 
 
 class Requests:
-    """A pacer that only counts how often it is asked to go on, and woken by work in the background."""
+    """A frame scheduler that only counts how often it is asked to go on, and woken by work in the background."""
 
     def __init__(self) -> None:
         self.count = self.wakes = 0
@@ -137,7 +137,7 @@ def oracle(
     technique_id: str = "raycast",
     **values: Any,
 ) -> npt.NDArray[np.float64]:
-    """The oracle's picture for the same values that `picture` takes: premultiplied, (H, W, 4)."""
+    """The oracle's image for the same values that `image` takes: premultiplied, (H, W, 4)."""
     info = technique(technique_id)
     settings = {p.name: p.default for p in info.parameters} | values
     entries = table_size(of.range, of.array.dtype.kind in "iu")
@@ -172,7 +172,7 @@ def gradient_table(of: volviz.Volume, transfer: volviz.TransferFunction) -> dict
     return {"gradient_table": table, "gradient_range": (0.0, top)}
 
 
-def picture(
+def image(
     of: volviz.Volume,
     transfer: volviz.TransferFunction,
     view: volviz.Camera,
@@ -181,7 +181,7 @@ def picture(
     technique_id: str = "raycast",
     **values: Any,
 ) -> npt.NDArray[np.float64]:
-    """Our picture, premultiplied float64, (H, W, 4)."""
+    """Our image, premultiplied float64, (H, W, 4)."""
     straight = volviz.render(
         of, technique_id, transfer_function=transfer, size=size, camera=view, dtype="float32", **values
     ).astype(np.float64)
@@ -190,6 +190,6 @@ def picture(
 
 
 def psnr(a: npt.ArrayLike, b: npt.ArrayLike, peak: float = 1.0) -> float:
-    """Peak signal to noise ratio in dB; 99 for equal pictures."""
+    """Peak signal to noise ratio in dB; 99 for equal images."""
     error = float(np.mean((np.asarray(a, float) - np.asarray(b, float)) ** 2))
     return 99.0 if error == 0 else float(10 * np.log10(peak**2 / error))

@@ -1,4 +1,4 @@
-"""Pictures that follow the full one at rest: their mean is better, and everything else stays as it was."""
+"""Images that follow the full one at rest: their mean is better, and everything else stays as it was."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import Requests, camera, function, picture, volume
-from volviz.custom_gl.host.progressive import PHASES, PLACES, SHOWN_AFTER, sample_phase
-from volviz.offscreen import apply_camera
+from tests.render.scenes import Requests, camera, function, image, volume
+from volviz.custom_gl.offscreen import apply_camera
+from volviz.custom_gl.vtk.progressive import PHASES, PLACES, SHOWN_AFTER, sample_phase
 
 SIZE = (72, 64)
 
@@ -35,7 +35,7 @@ def window(technique: str = "raycast", *, pacer: Requests | None = None, **value
 
 
 def until_idle(plotter: Any, handle: Any, pacer: Requests) -> list[int]:
-    """What an event loop does; numbers of pictures in the means that it showed."""
+    """What an event loop does; numbers of images in the means that it showed."""
     shown = []
     for _ in range(400):
         asked = pacer.count
@@ -63,25 +63,25 @@ def test_places_and_phases_are_spread_evenly_about_the_middle() -> None:
 def test_the_mean_is_nearer_to_a_picture_of_many_rays_a_pixel(technique: str) -> None:
     pacer = Requests()
     of = volume(np.float32)
-    fine = picture(of, function(of), camera(of), size=(4 * SIZE[0], 4 * SIZE[1]), technique_id=technique)
+    fine = image(of, function(of), camera(of), size=(4 * SIZE[0], 4 * SIZE[1]), technique_id=technique)
     exact = fine.reshape(SIZE[1], 4, SIZE[0], 4, 4).mean(axis=(1, 3))
     with window(technique, pacer=pacer) as (plotter, handle):
         shown = until_idle(plotter, handle, pacer)
-        first, mean = handle.read_picture(), handle.read_picture(averaged=True)
+        first, mean = handle.read_image(), handle.read_image(averaged=True)
     assert shown[-1] == 9
     assert np.abs(mean - exact).mean() < 0.7 * np.abs(first - exact).mean()
-    # the picture that scripts read is the one without further ones
-    plain = picture(of, function(of), camera(of), size=SIZE, technique_id=technique)
+    # the image that scripts read is the one without further ones
+    plain = image(of, function(of), camera(of), size=SIZE, technique_id=technique)
     assert np.abs(first - plain).max() < 1e-5
 
 
 def test_wood_grain_of_long_steps_fades() -> None:
     of = volume(np.float32)
-    exact = picture(of, function(of), camera(of), size=SIZE, step=0.1)
+    exact = image(of, function(of), camera(of), size=SIZE, step=0.1)
     pacer = Requests()
     with window(pacer=pacer, step=4.0) as (plotter, handle):
         until_idle(plotter, handle, pacer)
-        first, mean = handle.read_picture(), handle.read_picture(averaged=True)
+        first, mean = handle.read_image(), handle.read_image(averaged=True)
     assert np.abs(mean - exact).mean() < 0.6 * np.abs(first - exact).mean()
 
 
@@ -91,7 +91,7 @@ def test_the_first_full_picture_counts_as_complete_and_rest_is_rest() -> None:
         seen: list[Any] = []
         handle.on_status.append(seen.append)
         shown = until_idle(plotter, handle, pacer)
-        # complete from the first full picture on, while further ones are drawn
+        # complete from the first full image on, while further ones are drawn
         first = next(i for i, status in enumerate(seen) if status.complete)
         assert all(status.complete for status in seen[first:])
         assert sorted(set(shown)) == [1, 3, 5, 9]
@@ -106,7 +106,7 @@ def test_a_change_begins_anew_and_a_gesture_waits() -> None:
     pacer = Requests()
     with window(pacer=pacer) as (plotter, handle):
         until_idle(plotter, handle, pacer)
-        before = handle.read_picture(averaged=True)
+        before = handle.read_image(averaged=True)
         handle.begin_interaction()
         plotter.camera.Azimuth(30)
         plotter.render()
@@ -114,18 +114,18 @@ def test_a_change_begins_anew_and_a_gesture_waits() -> None:
         assert handle.refine(0.03), "nothing is drawn during a gesture"
         handle.end_interaction()
         until_idle(plotter, handle, pacer)
-        turned = handle.read_picture(averaged=True)
+        turned = handle.read_image(averaged=True)
         assert np.abs(turned - before).max() > 0.05
         plotter.camera.Azimuth(-30)
         until_idle(plotter, handle, pacer)
-        assert np.abs(handle.read_picture(averaged=True) - before).max() < 2e-3
+        assert np.abs(handle.read_image(averaged=True) - before).max() < 2e-3
 
 
 def test_an_interrupted_sum_goes_on_without_the_piece_that_was_given_up() -> None:
     pacer = Requests()
     with window("slicing", pacer=pacer) as (plotter, handle):
         until_idle(plotter, handle, pacer)
-        whole = handle.read_picture(averaged=True)
+        whole = handle.read_image(averaged=True)
         handle.update(step=0.4)
         handle.update(step=0.5)
         plotter.render()
@@ -138,7 +138,7 @@ def test_an_interrupted_sum_goes_on_without_the_piece_that_was_given_up() -> Non
         handle.end_interaction()
         until_idle(plotter, handle, pacer)
         assert handle.status.samples == 9
-        assert np.abs(handle.read_picture(averaged=True) - whole).max() < 1e-5
+        assert np.abs(handle.read_image(averaged=True) - whole).max() < 1e-5
 
 
 @pytest.mark.parametrize("reason", ["no pacer", "switched off"])
@@ -151,7 +151,7 @@ def test_no_further_pictures_without_an_event_loop_or_a_wish(reason: str) -> Non
         plotter.render()
         assert handle.refine()
         assert handle.status.samples == 1
-        assert np.array_equal(handle.read_picture(), handle.read_picture(averaged=True))
+        assert np.array_equal(handle.read_image(), handle.read_image(averaged=True))
 
 
 def test_pictures_that_take_long_are_not_repeated() -> None:

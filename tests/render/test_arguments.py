@@ -53,14 +53,14 @@ def test_a_picture_of_an_earlier_state_is_not_read_for_one_of_the_present() -> N
     try:
         handle = volviz.add_volume(plotter, VOLUME)
         with pytest.raises(RenderError, match="no full picture"):
-            handle.read_picture()
+            handle.read_image()
         plotter.show(auto_close=False)
-        assert handle.read_picture().shape == (16, 16, 4)
+        assert handle.read_image().shape == (16, 16, 4)
         handle.update(step=1.0)
         with pytest.raises(RenderError, match="no full picture"):
-            handle.read_picture()
+            handle.read_image()
         plotter.render()
-        assert handle.read_picture().shape == (16, 16, 4)
+        assert handle.read_image().shape == (16, 16, 4)
     finally:
         plotter.close()
 
@@ -70,6 +70,6 @@ def test_a_closed_plotter_is_told_in_words() -> None:
     handle = volviz.add_volume(plotter, VOLUME)
     plotter.show()
     with pytest.raises(RenderError, match="plotter closed"):
-        handle.read_picture()
+        handle.read_image()
     with pytest.raises(InputError, match="plotter is closed"):
         volviz.add_volume(plotter, VOLUME)

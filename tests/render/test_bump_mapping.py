@@ -18,17 +18,17 @@ from vtkmodules.vtkFiltersCore import vtkPolyDataTangents
 
 import volviz
 from tests.render.scenes import LEFT_HANDED, OBLIQUE, SIZE, blobs, camera, function, inside, matrices, volume
-from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.offscreen import apply_camera
 from volviz.custom_gl.techniques.bump_mapping.maps import pattern_normals
 from volviz.custom_gl.techniques.bump_mapping.technique import RELIEF_VOXELS, bands
+from volviz.custom_gl.vtk.vtk_imports import pyvista
 from volviz.errors import LoadError, SettingError
 from volviz.kernels.normal_maps import encoded
-from volviz.kernels.reference_relief import Relief, reference_relief
-from volviz.kernels.reference_surface import reference_isosurface
 from volviz.kernels.tangents import vertex_tangents
 from volviz.model.cut_plane import default_cut_plane
-from volviz.model.transfer_function import table_size
-from volviz.offscreen import apply_camera
+from volviz.model.transfer.function import table_size
+from volviz.reference.isosurface import reference_isosurface
+from volviz.reference.relief import Relief, reference_relief
 
 MAX_ERROR, MEAN_ERROR = 2 / 255, 0.5 / 255
 LEVEL = 1 / 255
@@ -39,8 +39,8 @@ SHOWN = 0.005
 OPAQUE = [(0.0, (0.2, 0.3, 0.9, 0.2)), (0.5, (0.9, 0.9, 0.3, 0.5)), (1.0, (1.0, 0.3, 0.2, 1.0))]
 
 
-def picture(of: volviz.Volume, view: volviz.Camera, points: Any = OPAQUE, **values: Any) -> Any:
-    """Our picture, premultiplied float64, (H, W, 4)."""
+def image(of: volviz.Volume, view: volviz.Camera, points: Any = OPAQUE, **values: Any) -> Any:
+    """Our image, premultiplied float64, (H, W, 4)."""
     straight = volviz.render(
         of, "bump_mapping", transfer_function=function(of, points), size=values.pop("size", SIZE), camera=view,
         dtype="float32", **values,
@@ -71,7 +71,7 @@ def oracle(of: volviz.Volume, view: volviz.Camera, points: Any = OPAQUE, **value
 def assert_like_the_oracle(
     of: volviz.Volume, view: volviz.Camera, points: Any = OPAQUE, **values: Any
 ) -> None:
-    ours, (exact, _) = picture(of, view, points, **values), oracle(of, view, points, **values)
+    ours, (exact, _) = image(of, view, points, **values), oracle(of, view, points, **values)
     assert (exact[..., 3] > 0).mean() > 0.03, "the scene is empty and proves nothing"
     error = np.abs(ours - exact).max(axis=-1)
     # on the rim of the polygon the rasteriser decides, to a 256th of a pixel
@@ -159,8 +159,8 @@ def test_crop_box_clip_planes_and_transparent_places_cut_the_surface() -> None:
     assert_like_the_oracle(of, camera(of), light_position=far_light(of), **cut, **plane)
     points = [(0.0, (0.1, 0.3, 1.0, 0.0)), (0.3, (0.2, 1.0, 0.4, 0.0)), (1.0, (1.0, 0.2, 0.1, 0.02))]
     assert_like_the_oracle(of, camera(of), points, light_position=far_light(of))
-    shown = picture(of, camera(of), points, cut_out=True)[..., 3]
-    solid = picture(of, camera(of), points, cut_out=False)[..., 3]
+    shown = image(of, camera(of), points, cut_out=True)[..., 3]
+    solid = image(of, camera(of), points, cut_out=False)[..., 3]
     assert set(np.unique(solid)) == {0.0, 1.0}
     assert 0.1 < (shown > 0).sum() / (solid > 0).sum() < 0.9
 
@@ -168,8 +168,8 @@ def test_crop_box_clip_planes_and_transparent_places_cut_the_surface() -> None:
 def test_a_density_threshold_leaves_out_what_lies_below() -> None:
     of = volume(np.float32)
     low, high = of.range
-    value = picture(of, camera(of), [(0.0, (0, 0, 0, 1)), (1.0, (1, 1, 1, 1))], display="color")
-    kept = picture(of, camera(of), [(0.0, (0, 0, 0, 1)), (1.0, (1, 1, 1, 1))], density_threshold=0.4)
+    value = image(of, camera(of), [(0.0, (0, 0, 0, 1)), (1.0, (1, 1, 1, 1))], display="color")
+    kept = image(of, camera(of), [(0.0, (0, 0, 0, 1)), (1.0, (1, 1, 1, 1))], density_threshold=0.4)
     assert high > low
     clear = np.abs(value[..., 0] - 0.4) > 0.002
     assert np.array_equal((kept[..., 3] > 0)[clear], (value[..., 0] > 0.4)[clear])
@@ -177,7 +177,7 @@ def test_a_density_threshold_leaves_out_what_lies_below() -> None:
 
 def test_constant_data_give_a_smooth_surface() -> None:
     of = volviz.Volume(np.full((8, 9, 10), 3.0, np.float32))
-    drawn = picture(of, camera(of), ambient=0.0, diffuse=1.0, display="normals")
+    drawn = image(of, camera(of), ambient=0.0, diffuse=1.0, display="normals")
     seen = drawn[..., 3] > 0
     assert seen.mean() > 0.1
     assert np.allclose(drawn[seen], (0.5, 0.5, 1.0, 1.0), atol=1e-6)
@@ -186,9 +186,9 @@ def test_constant_data_give_a_smooth_surface() -> None:
 # ------------------------------------------------------------------------------------------------ DOT3
 
 
-def displays(of: volviz.Volume, *names: str, **values: Any) -> list[npt.NDArray[np.float64]]:
-    """Pictures of several displays where the surface is seen, (pixels, 3) each."""
-    drawn = [picture(of, camera(of), cut_out=False, display=name, **values) for name in names]
+def debug_views(of: volviz.Volume, *names: str, **values: Any) -> list[npt.NDArray[np.float64]]:
+    """Images of several displays where the surface is seen, (pixels, 3) each."""
+    drawn = [image(of, camera(of), cut_out=False, display=name, **values) for name in names]
     seen = drawn[0][..., 3] > 0
     return [part[seen][:, :3] for part in drawn]
 
@@ -198,12 +198,12 @@ def displays(of: volviz.Volume, *names: str, **values: Any) -> list[npt.NDArray[
 def test_dot3_is_the_product_of_the_encoded_colours(source: str, normalization: str) -> None:
     of = volume()
     values = {"normal_source": source, "normalization": normalization, "light_position": far_light(of)}
-    n, light, product = displays(of, "normals", "light", "diffuse", encoding="bytes", **values)
+    n, light, product = debug_views(of, "normals", "light", "diffuse", encoding="bytes", **values)
     for colors in (n, light):
         assert np.abs(colors * 255 - np.rint(colors * 255)).max() < 1e-3, "colours are not bytes"
     expected = np.clip(4 * np.sum((n - 0.5) * (light - 0.5), axis=1), 0, 1)
     assert np.abs(product[:, 0] - expected).max() <= LEVEL
-    exact = displays(of, "diffuse", encoding="float", **(values | {"normalization": "shader"}))[0][:, 0]
+    exact = debug_views(of, "diffuse", encoding="float", **(values | {"normalization": "shader"}))[0][:, 0]
     assert np.abs(product[:, 0] - exact).max() <= 4 * LEVEL
     assert np.abs(product[:, 0] - exact).mean() <= LEVEL
 
@@ -212,23 +212,23 @@ def test_dot3_is_the_product_of_the_encoded_colours(source: str, normalization: 
 def test_the_classic_encoding_is_decoded_its_own_way(normalization: str) -> None:
     of = volume()
     values = {"normal_source": "bricks", "normalization": normalization, "light_position": far_light(of)}
-    n, light, product = displays(of, "normals", "light", "diffuse", encoding="bytes_classic", **values)
+    n, light, product = debug_views(of, "normals", "light", "diffuse", encoding="bytes_classic", **values)
     decoded = [(255 * colors - 128) / 127 for colors in (n, light)]
     assert np.abs(product[:, 0] - np.clip(np.sum(decoded[0] * decoded[1], axis=1), 0, 1)).max() <= 1e-4
-    exact = displays(of, "diffuse", encoding="float", **(values | {"normalization": "shader"}))[0][:, 0]
+    exact = debug_views(of, "diffuse", encoding="float", **(values | {"normalization": "shader"}))[0][:, 0]
     assert np.abs(product[:, 0] - exact).max() <= 4 * LEVEL
 
 
 def test_a_smooth_surface_has_the_well_known_blue_as_normal_map() -> None:
     of = volume()
-    n = displays(of, "normals", encoding="bytes", bump_strength=0.0)[0]
+    n = debug_views(of, "normals", encoding="bytes", bump_strength=0.0)[0]
     assert np.allclose(n * 255, (128, 128, 255), atol=1e-3)
 
 
 def test_the_picture_is_colour_times_light() -> None:
     of = volume()
     values = {"light_position": far_light(of), "ambient": 0.0, "diffuse": 1.0}
-    shown, color, light = displays(of, "image", "color", "diffuse", **values)
+    shown, color, light = debug_views(of, "image", "color", "diffuse", **values)
     assert np.abs(shown - color * light).max() < 1e-5
 
 
@@ -240,7 +240,7 @@ def test_two_passes_draw_the_same_picture() -> None:
             values = {"surface": surface, "dot3": dot3, "light_position": far_light(of)}
             crop = {"crop": (8.0, 27.0, 6.0, 25.0, 5.0, 22.0)}
             once, twice = (
-                picture(of, camera(of), points, two_passes=two, **values, **crop) for two in (False, True)
+                image(of, camera(of), points, two_passes=two, **values, **crop) for two in (False, True)
             )
             assert once[..., 3].max() > 0.5
             assert np.abs(once - twice).max() < 1e-5, (surface, dot3)
@@ -249,9 +249,9 @@ def test_two_passes_draw_the_same_picture() -> None:
 def test_dot3_rgba_makes_the_light_the_opacity() -> None:
     of = volume()
     values = {"light_position": far_light(of), "ambient": 0.0, "diffuse": 1.0, "cut_out": False}
-    light = picture(of, camera(of), display="diffuse", **values)
-    rgb = picture(of, camera(of), **values)
-    rgba = picture(of, camera(of), dot3="rgba", **values)
+    light = image(of, camera(of), display="diffuse", **values)
+    rgb = image(of, camera(of), **values)
+    rgba = image(of, camera(of), dot3="rgba", **values)
     assert np.abs(rgba[..., 3] - light[..., 0]).max() < 1e-5
     # over black both are the same
     assert np.abs(rgba[..., :3] - rgb[..., :3]).max() < 1e-5
@@ -270,7 +270,7 @@ def test_the_cube_map_gives_back_the_six_axes() -> None:
     for axis in np.concatenate([np.eye(3), -np.eye(3)]):
         at = tuple(np.add(of.center, far * axis))
         for encoding in ("float", "bytes"):
-            drawn = picture(
+            drawn = image(
                 of, view, display="light", light_position=at, encoding=encoding, cut_out=False, **plane
             )
             assert np.abs(drawn[32, 32, :3] - (0.5 + 0.5 * axis)).max() <= LEVEL, (axis, encoding)
@@ -281,13 +281,13 @@ def test_cube_map_and_shader_agree_and_their_difference_is_on_show() -> None:
     light = tuple(np.subtract(of.center, (3.0, 9.0, -2.0)))
     values = {"light_position": light, "cut_out": False, "plane_normal": (0.0, -1.0, 0.2)}
     cube, shader, difference = (
-        picture(of, camera(of), **(values | other))
+        image(of, camera(of), **(values | other))
         for other in ({"display": "light"}, {"display": "light", "normalization": "shader"}, {"display": "difference"})
     )  # fmt: skip
     # 32 times the difference of the vectors, whose colours differ by half as much
     assert np.abs(cube - shader).max() <= LEVEL
     assert np.abs(64 * np.abs(cube - shader)[..., :3] - difference[..., :3]).max() < 2e-3
-    coarse = picture(of, camera(of), display="difference", cube_map_size=4, **values)
+    coarse = image(of, camera(of), display="difference", cube_map_size=4, **values)
     assert coarse[..., :3].mean() > 4 * difference[..., :3].mean() > 0
 
 
@@ -301,16 +301,16 @@ def test_plane_light_camera_and_volume_turned_together_give_the_same_picture(sou
     turned = volviz.Volume(blobs(dtype=np.float32), spacing=(1.0, 1.2, 0.8), direction=turn)
     view = camera(plain)
     normal = (0.3, -1.0, 0.25)
-    pictures = []
+    images = []
     for of, matrix in ((plain, np.eye(3)), (turned, turn)):
-        pictures.append(
-            picture(
+        images.append(
+            image(
                 of, turned_camera(view, matrix), normal_source=source, plane_origin=tuple(matrix @ plain.center),
                 plane_normal=tuple(matrix @ normal), light_position=tuple(matrix @ far_light(plain)),
                 size=(160, 120),
             )
         )  # fmt: skip
-    assert_same_picture(*pictures)
+    assert_same_image(*images)
 
 
 def test_plane_light_and_camera_turned_within_the_same_volume_give_the_same_picture() -> None:
@@ -318,21 +318,21 @@ def test_plane_light_and_camera_turned_within_the_same_volume_give_the_same_pict
     x, y, z = of.center
     view = volviz.Camera((x, y, z + 5.0), (x + 0.5, y, z), (0.0, 1.0, 0.0), view_angle=60.0)
     normal, up, light = np.array([0.1, -0.2, 1.0]), np.array([0.0, 1.0, 0.3]), np.array([6.0, 7.0, 8.0])
-    pictures = []
+    images = []
     for seed in range(3):
         matrix = Rotation.random(random_state=seed).as_matrix() if seed else np.eye(3)
-        pictures.append(
-            picture(
+        images.append(
+            image(
                 of, turned_camera(view, matrix, of.center), normal_source="bricks", color_source="flat",
                 cut_out=False, plane_origin=of.center, plane_normal=tuple(matrix @ normal),
                 plane_up=tuple(matrix @ up), light_position=tuple(of.center + matrix @ light), tile_size=4.0,
                 size=(160, 120),
             )
         )  # fmt: skip
-    assert (pictures[0][..., 3] == 1).all(), "the plane fills the picture"
-    assert np.std(pictures[0][..., 0]) > 0.05
-    for other in pictures[1:]:
-        assert np.abs(other - pictures[0]).max() <= MAX_ERROR
+    assert (images[0][..., 3] == 1).all(), "the plane fills the picture"
+    assert np.std(images[0][..., 0]) > 0.05
+    for other in images[1:]:
+        assert np.abs(other - images[0]).max() <= MAX_ERROR
 
 
 def turned_camera(view: volviz.Camera, matrix: Any, about: Any = (0.0, 0.0, 0.0)) -> volviz.Camera:
@@ -343,7 +343,7 @@ def turned_camera(view: volviz.Camera, matrix: Any, about: Any = (0.0, 0.0, 0.0)
     return replace(view, position=position, focal_point=focus, view_up=tuple(matrix @ view.view_up))
 
 
-def assert_same_picture(a: Any, b: Any) -> None:
+def assert_same_image(a: Any, b: Any) -> None:
     rim = (a[..., 3] > 0) != (b[..., 3] > 0)
     assert rim.sum() <= 4
     assert (a[..., 3] > 0).mean() > 0.1
@@ -359,9 +359,9 @@ def test_lighting_per_vertex_loses_what_lies_between_the_vertices() -> None:
         "light_position": far_light(of), "display": "diffuse", "cut_out": False, "normal_source": "bumps",
         "tile_size": 60.0,
     }  # fmt: skip
-    exact = picture(of, camera(of), **values)[..., 0]
+    exact = image(of, camera(of), **values)[..., 0]
     errors = [
-        np.abs(picture(of, camera(of), lighting="vertex", subdivisions=n, **values)[..., 0] - exact).mean()
+        np.abs(image(of, camera(of), lighting="vertex", subdivisions=n, **values)[..., 0] - exact).mean()
         for n in (1, 8, 128)
     ]
     assert errors[0] > 4 * LEVEL
@@ -379,11 +379,11 @@ def test_an_image_of_the_bricks_looks_like_the_bricks(tmp_path: Path) -> None:
     flipped = normals * (1.0, -1.0, 1.0)
     Image.fromarray(encoded(flipped)[::-1]).save(tmp_path / "down.png")
     values = {"light_position": far_light(of), "tile_size": 12.0}
-    built_in = picture(of, camera(of), normal_source="bricks", **values)
+    built_in = image(of, camera(of), normal_source="bricks", **values)
     values |= {"normal_source": "image"}
-    read = picture(of, camera(of), normal_image=str(tmp_path / "bricks.png"), **values)
-    down = picture(of, camera(of), normal_image=str(tmp_path / "down.png"), flip_green=True, **values)
-    wrong = picture(of, camera(of), normal_image=str(tmp_path / "down.png"), **values)
+    read = image(of, camera(of), normal_image=str(tmp_path / "bricks.png"), **values)
+    down = image(of, camera(of), normal_image=str(tmp_path / "down.png"), flip_green=True, **values)
+    wrong = image(of, camera(of), normal_image=str(tmp_path / "down.png"), **values)
     assert np.abs(read - built_in).max() <= 3 * LEVEL
     assert np.abs(down - built_in).max() <= 3 * LEVEL
     assert np.abs(wrong - built_in).max() > 30 * LEVEL
@@ -393,11 +393,11 @@ def test_light_from_above_falls_on_the_upper_edges_of_bumps() -> None:
     of = volume()
     x, y, z = of.center
     view = volviz.Camera((x, y - 90.0, z), (x, y, z), (0.0, 0.0, 1.0), view_angle=20.0)
-    drawn = picture(
+    drawn = image(
         of, view, normal_source="bumps", display="diffuse", cut_out=False, plane_origin=of.center,
         plane_normal=(0.0, -1.0, 0.0), tile_size=64.0, light_position=(x, y - 500.0, z + 500.0),
     )[..., 0]  # fmt: skip
-    # the plane's origin is the corner of four tiles: the bumps around the middle of the picture
+    # the plane's origin is the corner of four tiles: the bumps around the middle of the image
     row, column = 32, 32
     reach = 8 / (90 * np.tan(np.radians(10)) / 32)
     bump = int(row - reach)
@@ -409,9 +409,9 @@ def test_light_from_above_falls_on_the_upper_edges_of_bumps() -> None:
 def test_a_missing_image_or_a_direction_of_length_zero_is_refused_in_words() -> None:
     of = volume()
     with pytest.raises(LoadError, match="there is no file"):
-        picture(of, camera(of), normal_source="image", normal_image="/nowhere/map.png")
+        image(of, camera(of), normal_source="image", normal_image="/nowhere/map.png")
     with pytest.raises(SettingError, match="plane_normal is a direction"):
-        picture(of, camera(of), plane_normal=(0.0, 0.0, 0.0))
+        image(of, camera(of), plane_normal=(0.0, 0.0, 0.0))
 
 
 # ------------------------------------------------------------------------------------------------ light
@@ -425,10 +425,8 @@ def test_self_shadowing_keeps_slopes_dark_when_the_light_is_behind() -> None:
         "plane_normal": (0.0, -1.0, 0.0),
         "display": "diffuse",
     }
-    plain = picture(of, camera(of), normal_source="bumps", bump_strength=3.0, **behind)
-    shadowed = picture(
-        of, camera(of), normal_source="bumps", bump_strength=3.0, self_shadowing=True, **behind
-    )
+    plain = image(of, camera(of), normal_source="bumps", bump_strength=3.0, **behind)
+    shadowed = image(of, camera(of), normal_source="bumps", bump_strength=3.0, self_shadowing=True, **behind)
     assert plain[..., 0].max() > 0.2
     assert shadowed[..., 0].max() == 0.0
     assert shadowed[..., 3].max() == 1.0
@@ -439,7 +437,7 @@ def test_a_smooth_plane_is_lit_by_the_cosine_of_the_angle() -> None:
     x, y, z = of.center
     for degrees in (0.0, 30.0, 60.0, 85.0):
         a = np.radians(degrees)
-        drawn = picture(
+        drawn = image(
             of, camera(of), bump_strength=0.0, display="diffuse", plane_normal=(0.0, -1.0, 0.0), cut_out=False,
             light_position=(x + 1e6 * np.sin(a), y - 1e6 * np.cos(a), z),
         )  # fmt: skip
@@ -453,7 +451,7 @@ def test_a_smooth_plane_is_lit_by_the_cosine_of_the_angle() -> None:
 def test_the_faces_of_the_box_cover_what_the_box_covers() -> None:
     of = volume(spacing=(1.0, 1.2, 0.8), direction=OBLIQUE)
     crop = (4.0, 30.0, 3.0, 25.0, 5.0, 22.0)
-    box = picture(of, camera(of), surface="box", cut_out=False, crop=crop)
+    box = image(of, camera(of), surface="box", cut_out=False, crop=crop)
     solid = function(of, [(0.0, (1, 1, 1, 0.99)), (1.0, (1, 1, 1, 0.99))])
     ray = volviz.render(
         of, "raycast", transfer_function=solid, size=SIZE, camera=camera(of), crop=crop, dtype="float32",
@@ -464,7 +462,7 @@ def test_the_faces_of_the_box_cover_what_the_box_covers() -> None:
 
 def test_the_faces_are_seen_from_inside() -> None:
     of = volume()
-    drawn = picture(of, inside(of), surface="box", cut_out=False)
+    drawn = image(of, inside(of), surface="box", cut_out=False)
     assert (drawn[..., 3] == 1).all()
     assert drawn[..., :3].std() > 0.02
 
@@ -491,8 +489,8 @@ def test_the_data_give_a_coarse_mesh_the_normals_of_the_true_surface(stride: int
     )
     to_light = light - exact.position
     cosine = np.einsum("hwi,hwi->hw", exact.normal, to_light) / np.linalg.norm(to_light, axis=-1)
-    baked = picture(of, view, **values)
-    smooth = picture(of, view, bump_strength=0.0, **values)
+    baked = image(of, view, **values)
+    smooth = image(of, view, bump_strength=0.0, **values)
     seen = np.isfinite(cosine) & (baked[..., 3] > 0)
     errors = [np.abs(drawn[..., 0] - np.clip(cosine, 0, 1))[seen].mean() for drawn in (baked, smooth)]
     assert seen.mean() > 0.1
@@ -505,10 +503,10 @@ def test_a_mesh_is_cropped_and_clipped() -> None:
     of, isovalue = rippled_volume(32)
     view = camera(of)
     values = {"surface": "mesh", "isovalue": isovalue, "normal_source": "bumps"}
-    whole = picture(of, view, **values)[..., 3]
+    whole = image(of, view, **values)[..., 3]
     x, y, z = of.center
-    clipped = picture(of, view, clip_planes=[((x, y, z), (0.0, 0.0, 1.0))], **values)[..., 3]
-    cropped = picture(of, view, crop=(0, 31, 0, 31, 15.5, 31), **values)[..., 3]
+    clipped = image(of, view, clip_planes=[((x, y, z), (0.0, 0.0, 1.0))], **values)[..., 3]
+    cropped = image(of, view, crop=(0, 31, 0, 31, 15.5, 31), **values)[..., 3]
     assert 0.35 < clipped.sum() / whole.sum() < 0.75
     assert np.array_equal(clipped, cropped)
 
@@ -589,14 +587,14 @@ def test_a_moved_plane_compiles_and_uploads_nothing() -> None:
         handle.update(plane_origin=of.center, plane_normal=(1.0, 0.0, 0.0))
         window.render()
         compiled, uploads = handle.gpu.programs.compiled, handle.gpu.uploads
-        before = handle.read_picture()
+        before = handle.read_image()
         handle.update(
             plane_origin=tuple(np.add(of.center, 3.0)), plane_normal=(1.0, 0.4, 0.0), bump_strength=2.0
         )
         window.render()
         handle.raise_error()
         assert (handle.gpu.programs.compiled, handle.gpu.uploads) == (compiled, uploads)
-        assert np.abs(handle.read_picture() - before).max() > 0.1
+        assert np.abs(handle.read_image() - before).max() > 0.1
         handle.remove()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import volviz
-from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.vtk.vtk_imports import pyvista
 from volviz.errors import LoadError
 from volviz.meshes.reading import read_triangles
 
@@ -36,7 +36,7 @@ def camera() -> volviz.Camera:
     return volviz.Camera((0.0, -80.0, 0.0), (0.0, 0.0, 0.0))
 
 
-def picture(of: volviz.Volume, **values: Any) -> Any:
+def image(of: volviz.Volume, **values: Any) -> Any:
     grey = volviz.TransferFunction.from_points([(0, (0, 0, 0, 1)), (31, (1, 1, 1, 1))])
     return volviz.render(
         of,
@@ -54,7 +54,7 @@ def picture(of: volviz.Volume, **values: Any) -> Any:
 def test_a_ball_from_a_file_is_lit_like_a_ball(of: volviz.Volume, tmp_path: Path, suffix: str) -> None:
     file = tmp_path / f"ball.{suffix}"
     pyvista.Sphere(radius=10.0, theta_resolution=60, phi_resolution=60).save(file)
-    drawn = picture(of, mesh_file=str(file), **FLAT)
+    drawn = image(of, mesh_file=str(file), **FLAT)
     seen = drawn[..., 3] > 0
     half = 2 * 80 * np.tan(np.radians(15)) / SIZE[1]
     rows, columns = np.indices(seen.shape) - np.array([SIZE[1] - 1, SIZE[0] - 1])[:, None, None] / 2
@@ -73,7 +73,7 @@ def test_colours_come_from_the_data_the_mesh_goes_through(of: volviz.Volume, tmp
     file = tmp_path / "plate.stl"
     pyvista.Plane(center=(0, 0, 0), direction=(0, -1, 0), i_size=20, j_size=20).save(file)
     values = FLAT | {"color_source": "transfer_function", "display": "color"}
-    drawn = picture(of, mesh_file=str(file), **values)
+    drawn = image(of, mesh_file=str(file), **values)
     row = drawn[SIZE[1] // 2]
     seen = row[:, 3] > 0
     x = (np.arange(SIZE[0]) + 0.5 - SIZE[0] / 2) * 2 * 80 * np.tan(np.radians(15)) / SIZE[1]
@@ -89,12 +89,12 @@ def test_patterns_follow_the_texture_coordinates_of_the_file(of: volviz.Volume, 
         plate.active_texture_coordinates = plate.active_texture_coordinates * (1 if repeats == 1 else 2)
         file = tmp_path / f"plate{repeats}.vtp"
         plate.save(file)
-        drawn.append(picture(of, mesh_file=str(file), **values))
+        drawn.append(image(of, mesh_file=str(file), **values))
     # the pattern has four bumps a repeat
     waves = []
-    for image in drawn:
-        rows, columns = np.nonzero(image[..., 3])
-        plate_only = image[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1, 1]
+    for texture in drawn:
+        rows, columns = np.nonzero(texture[..., 3])
+        plate_only = texture[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1, 1]
         spectrum = np.abs(np.fft.rfft(plate_only - plate_only.mean(), axis=1)).sum(axis=0)
         waves.append(int(np.argmax(spectrum)))
     assert waves == [4, 8]
@@ -133,7 +133,7 @@ def test_what_is_no_mesh_is_refused_in_a_sentence(
         assert "\n" not in sentence
     assert capfd.readouterr().err == ""
     with pytest.raises(LoadError, match=r"none\.stl"):
-        picture(of, mesh_file=str(tmp_path / "none.stl"), **FLAT)
+        image(of, mesh_file=str(tmp_path / "none.stl"), **FLAT)
 
 
 def test_a_file_that_has_changed_is_read_again(of: volviz.Volume, tmp_path: Path) -> None:
@@ -144,10 +144,10 @@ def test_a_file_that_has_changed_is_read_again(of: volviz.Volume, tmp_path: Path
         handle = volviz.add_volume(window, of, "bump_mapping", mesh_file=str(file), **FLAT)
         window.camera_position = [(0.0, -80.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
         window.show(auto_close=False, interactive=False)
-        small = (handle.read_picture()[..., 3] > 0).sum()
+        small = (handle.read_image()[..., 3] > 0).sum()
         pyvista.Sphere(radius=8.0).save(file)
         handle.invalidate()
         window.render()
-        assert (handle.read_picture()[..., 3] > 0).sum() > 3 * small
+        assert (handle.read_image()[..., 3] > 0).sum() > 3 * small
     finally:
         window.close()

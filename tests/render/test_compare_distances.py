@@ -56,14 +56,14 @@ def test_the_figures_are_those_of_the_meshes(found: Comparison, of: volviz.Volum
     expected = surface_distance(*meshes)
     maps = distance_maps(*meshes)
     data = json.loads(json_report([found]))["pairs"][0]["distance"]
-    for figure, value in (
+    for metric, value in (
         ("hausdorff", expected.hausdorff),
         ("mean", expected.mean),
         ("forward", maps[0].maximum),
         ("forward_mean", maps[0].mean),
         ("backward_rms", maps[1].rms),
     ):
-        assert data[figure] == pytest.approx(value, rel=1e-5)
+        assert data[metric] == pytest.approx(value, rel=1e-5)
     rows = list(csv.reader(io.StringIO(csv_report([found]))))
     told = {row[4]: float(row[5]) for row in rows if row[1] == "pair" and row[4].startswith("distance.")}
     assert told == {f"distance.{name}": pytest.approx(value) for name, value in data.items()}
@@ -71,15 +71,15 @@ def test_the_figures_are_those_of_the_meshes(found: Comparison, of: volviz.Volum
 
 def test_both_surfaces_are_drawn_in_the_colours_of_their_distance(found: Comparison) -> None:
     pair = found.pairs[0]
-    shown = pair.distance_pictures
+    shown = pair.distance_images
     assert shown is not None
     assert shown.limit == shown.largest == pytest.approx(pair.distance.hausdorff)
     assert (shown.is_signed, shown.low) == (True, -shown.limit)
-    for picture, side in zip((shown.first, shown.second), found.sides, strict=True):
-        assert picture.shape == side.picture.shape
+    for image, side in zip((shown.first, shown.second), found.sides, strict=True):
+        assert image.shape == side.image.shape
         # the same pixels, in other colours: red, blue and pale ones
-        assert np.array_equal(picture.any(axis=2), side.picture.any(axis=2))
-        seen = picture[picture.any(axis=2)].astype(int)
+        assert np.array_equal(image.any(axis=2), side.image.any(axis=2))
+        seen = image[image.any(axis=2)].astype(int)
         assert (seen[:, 0] - seen[:, 2]).max() > 20
         assert (seen[:, 2] - seen[:, 0]).max() > 20
 
@@ -88,7 +88,7 @@ def test_the_page_has_pictures_bar_unit_and_words(found: Comparison) -> None:
     text = html_report([found])
     assert "Distance of marching_cubes and marching_tetrahedra" in text
     assert "marching_tetrahedra in the colours of its distance to marching_cubes" in text
-    limit = f"{found.pairs[0].distance_pictures.limit:.3g}"
+    limit = f"{found.pairs[0].distance_images.limit:.3g}"
     assert f"colours from \N{MINUS SIGN}{limit} to {limit} mm" in text
     assert "Red lies outside of the other surface" in text
     assert "root of the mean square (mm)" in text
@@ -96,13 +96,13 @@ def test_the_page_has_pictures_bar_unit_and_words(found: Comparison) -> None:
 
 def test_a_limit_of_ones_own_says_that_there_is_more(of: volviz.Volume) -> None:
     found = compared(of, "marching_cubes", "marching_tetrahedra", distance_limit=0.01)
-    assert found.pairs[0].distance_pictures.limit == 0.01
+    assert found.pairs[0].distance_images.limit == 0.01
     assert re.search("≤ \N{MINUS SIGN}0.01<img.*≥ 0.01 mm", html_report([found]))
 
 
 def test_equal_surfaces_are_said_to_be_the_same(of: volviz.Volume) -> None:
     found = compared(of, "vtk_marching_cubes", "vtk_flying_edges")
-    assert found.pairs[0].distance_pictures.are_same
+    assert found.pairs[0].distance_images.are_same
     text = html_report([found])
     assert "No distance: the surfaces are the same." in text
     assert "in the colours of its distance" in text
@@ -110,9 +110,9 @@ def test_equal_surfaces_are_said_to_be_the_same(of: volviz.Volume) -> None:
 
 
 def test_figures_alone_need_no_pictures(of: volviz.Volume) -> None:
-    found = compared(of, "marching_cubes", "marching_tetrahedra", surface_pictures=False)
+    found = compared(of, "marching_cubes", "marching_tetrahedra", surface_images=False)
     assert found.pairs[0].distance.hausdorff > 0
-    assert found.pairs[0].distance_pictures is None
+    assert found.pairs[0].distance_images is None
 
 
 def test_the_command_takes_a_limit_and_repeats_it(

@@ -22,15 +22,15 @@ from volviz.cli import main
 from volviz.commands.progress import ProgressLine
 from volviz.compare.matching import match_sides, side_names
 from volviz.compare.report import csv_report, html_report, json_report, save_report
-from volviz.compare.results import Comparison, picture_pairs
+from volviz.compare.results import Comparison, image_pairs
 from volviz.compare.run import ComparisonRun, Side, compare
 from volviz.compare.samples import ray_samples
 from volviz.compare.suite import suite_groups
 from volviz.compare.vtk_contours import vtk_contour
 from volviz.custom_gl.arguments import spec_of
+from volviz.custom_gl.framing import default_camera
 from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
-from volviz.framing import default_camera
 from volviz.model.render_spec import RenderSpec, View
 
 VOID = {"meta", "img", "br", "link", "input"}
@@ -96,9 +96,9 @@ def read(html: str) -> Reader:
 def test_the_page_holds_everything_and_needs_nothing_else(comparison: Comparison) -> None:
     reader = read(html_report([comparison]))
     words = " ".join(reader.words)
-    # four pictures, difference and lost similarity of six pairs and both surfaces of one, each with its colour bar
+    # four images, difference and lost similarity of six pairs and both surfaces of one, each with its colour bar
     assert reader.tags.count("img") == 4 + 6 * 4 + 4
-    # times, convergence of pictures and of meshes
+    # times, convergence of images and of meshes
     assert reader.tags.count("svg") == 3
     assert all(reference.startswith("data:") for reference in reader.references)
     for heading in ("Differences", "Frame times", "Samples per ray", "Meshes", "Convergence", "Settings",
@@ -257,9 +257,9 @@ def test_every_technique_of_a_suite_stands_beside_its_like() -> None:
 
 def test_names_and_pairs() -> None:
     assert side_names(["a", "b", "a", "a"]) == ["a", "b", "a 2", "a 3"]
-    assert len(picture_pairs("abcd")) == 6
-    assert picture_pairs("abcde") == [("a", "b"), ("a", "c"), ("a", "d"), ("a", "e")]
-    more = picture_pairs(["a", "b", "c", "d", "reference"], ["reference"])
+    assert len(image_pairs("abcd")) == 6
+    assert image_pairs("abcde") == [("a", "b"), ("a", "c"), ("a", "d"), ("a", "e")]
+    more = image_pairs(["a", "b", "c", "d", "reference"], ["reference"])
     assert [pair for pair in more if "a" not in pair] == [
         ("b", "reference"),
         ("c", "reference"),
@@ -521,11 +521,11 @@ def test_a_mesh_that_is_empty_has_figures_and_no_distance() -> None:
 
 
 def test_files_of_settings_appear_by_their_names(volume_file: Path, tmp_path: Path) -> None:
-    picture = tmp_path / "normals.png"
-    Image.fromarray(np.full((8, 8, 3), (128, 128, 255), np.uint8)).save(picture)
+    image = tmp_path / "normals.png"
+    Image.fromarray(np.full((8, 8, 3), (128, 128, 255), np.uint8)).save(image)
     output = tmp_path / "r.html"
-    words = ["-t", f"bump_mapping:normal_source=image:normal_image={picture}", "-t", "bump_mapping"]
-    words += ["--set", f"normal_image={picture}", "--size", "40x40", "--frames", "0", "-o", str(output)]
+    words = ["-t", f"bump_mapping:normal_source=image:normal_image={image}", "-t", "bump_mapping"]
+    words += ["--set", f"normal_image={image}", "--size", "40x40", "--frames", "0", "-o", str(output)]
     assert main(["compare", str(volume_file), *words]) == 0
     told = output.read_text(encoding="utf-8")
     assert "normal_image=normals.png" in told

@@ -1,4 +1,4 @@
-"""Sides of a comparison, drawn off-screen: pictures, times against another clock."""
+"""Sides of a comparison, drawn off-screen: images, times against another clock."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import pytest
 
 import volviz
 from tests.render.scenes import POINTS, blobs
-from volviz.compare.pictures import compare_pictures
+from volviz.compare.image_metrics import compare_images
 from volviz.compare.timing import Drawn, frame_timer, nudged
 from volviz.custom_gl.arguments import spec_of
-from volviz.framing import default_camera
+from volviz.custom_gl.framing import default_camera
 from volviz.model.render_spec import RenderSpec, View
 
 SIZE = (120, 90)
@@ -52,14 +52,14 @@ def sides(scene: Scene) -> Iterator[dict[str, Drawn]]:
         }
 
 
-def picture(side: Drawn) -> np.ndarray:
+def image(side: Drawn) -> np.ndarray:
     return side.renderer.draw(side.spec, side.view)[..., :3]
 
 
 def test_two_sides_are_nearly_equal_and_each_equals_itself(sides: dict[str, Drawn]) -> None:
-    raycast, slicing = picture(sides["raycast"]), picture(sides["slicing"])
-    assert compare_pictures(raycast, slicing).psnr > 40
-    assert compare_pictures(raycast, picture(sides["raycast"])).max_difference == 0
+    raycast, slicing = image(sides["raycast"]), image(sides["slicing"])
+    assert compare_images(raycast, slicing).psnr > 40
+    assert compare_images(raycast, image(sides["raycast"])).max_difference == 0
 
 
 def test_the_picture_is_right_after_times_were_taken(scene: Scene, sides: dict[str, Drawn]) -> None:
@@ -70,7 +70,7 @@ def test_the_picture_is_right_after_times_were_taken(scene: Scene, sides: dict[s
             scene.volume, name, transfer_function=scene.function, camera=scene.view.camera, size=SIZE,
             background=(0, 0, 0), step=0.5,
         )  # fmt: skip
-        np.testing.assert_array_equal(picture(side), rendered[..., :3])
+        np.testing.assert_array_equal(image(side), rendered[..., :3])
 
 
 def test_frame_times_are_those_of_an_outside_clock(sides: dict[str, Drawn]) -> None:
@@ -103,11 +103,11 @@ def test_every_nudged_camera_is_a_new_one_about_the_old_one(scene: Scene) -> Non
 def test_settings_change_between_frames(scene: Scene, sides: dict[str, Drawn]) -> None:
     side = sides["raycast"]
     coarse = replace(side, spec=scene.spec("raycast", step=4.0))
-    assert compare_pictures(picture(side), picture(coarse)).max_difference > 2
+    assert compare_images(image(side), image(coarse)).max_difference > 2
 
 
 def test_the_background_is_under_the_picture(scene: Scene, sides: dict[str, Drawn]) -> None:
     red = replace(sides["raycast"], view=replace(scene.view, background=(1.0, 0.0, 0.0)))
-    assert (picture(red)[0, 0] == (255, 0, 0)).all()
+    assert (image(red)[0, 0] == (255, 0, 0)).all()
     exact = red.renderer.draw(red.spec, red.view, dtype="float32")
     assert exact[0, 0].tolist() == [1.0, 0.0, 0.0, 1.0]

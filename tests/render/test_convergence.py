@@ -13,9 +13,9 @@ from tests.render.scenes import POINTS, blobs
 from volviz.compare.convergence import Convergence, ConvergenceRun, cropped_to, study
 from volviz.compare.plots import axis_words
 from volviz.compare.run import Side, compare
+from volviz.custom_gl.framing import default_camera
 from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
-from volviz.framing import default_camera
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.light import Light
 from volviz.model.render_spec import RenderSpec, View

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import LEFT_HANDED, function, picture, volume
+from tests.render.scenes import LEFT_HANDED, function, image, volume
 from volviz.custom_gl.registry import techniques
 
 OFFSET = np.array([1e7, -1e7, 1e7])
@@ -24,8 +24,8 @@ def view_of(of: volviz.Volume, offset: Any, **changes: Any) -> volviz.Camera:
 
 
 def both(technique: str, light: Any = (-60.0, -20.0, 50.0), **values: Any) -> tuple[Any, Any]:
-    """The picture at the origin and the one far away."""
-    pictures = []
+    """The image at the origin and the one far away."""
+    images = []
     parallel = values.pop("parallel", False)
     for offset in (np.zeros(3), OFFSET):
         of = volume(np.float32, spacing=(0.75, 1.0, 1.25), origin=tuple(offset), direction=LEFT_HANDED)
@@ -33,12 +33,12 @@ def both(technique: str, light: Any = (-60.0, -20.0, 50.0), **values: Any) -> tu
         placed = {"light_position": (x + light[0], y + light[1], z + light[2])} if light else {}
         planes = ((of.center, (1.0, 0.25, 0.0)),) if values.get("clip_planes") else ()
         view = view_of(of, offset, parallel=parallel)
-        pictures.append(
-            picture(
+        images.append(
+            image(
                 of, function(of), view, technique_id=technique, **placed, **(values | {"clip_planes": planes})
             )
         )
-    return pictures[0], pictures[1]
+    return images[0], images[1]
 
 
 @pytest.mark.parametrize("technique", IMAGE_TECHNIQUES)

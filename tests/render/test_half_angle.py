@@ -9,24 +9,14 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import (
-    LEFT_HANDED,
-    OBLIQUE,
-    camera,
-    function,
-    inside,
-    matrices,
-    picture,
-    psnr,
-    volume,
-)
+from tests.render.scenes import LEFT_HANDED, OBLIQUE, camera, function, image, inside, matrices, psnr, volume
+from volviz.custom_gl.offscreen import apply_camera
 from volviz.custom_gl.techniques.half_angle.blocks import Visible, block_polygons, grown_box
 from volviz.custom_gl.techniques.half_angle.light_path import choose_slicing, light_matrix, rays_from, unit
 from volviz.custom_gl.techniques.half_angle.technique import INEXACT, INSIDE
-from volviz.kernels.reference_shadows import reference_shadows
 from volviz.kernels.slices import box_distance_range, crop_corners, slab_centres, slice_polygons
-from volviz.model.transfer_function import table_size
-from volviz.offscreen import apply_camera
+from volviz.model.transfer.function import table_size
+from volviz.reference.shadows import reference_shadows
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -62,8 +52,8 @@ def ours_and_exact(
     kappa: tuple[float, float, float] = KAPPA,
     **values: Any,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Our picture and that of the oracle, premultiplied."""
-    ours = picture(
+    """Our image and that of the oracle, premultiplied."""
+    ours = image(
         of, transfer, view, size=size, technique_id="half_angle", step=step, light_position=light,
         attenuation_color=kappa, ambient=AMBIENT, **values,
     )  # fmt: skip
@@ -174,9 +164,9 @@ def test_the_picture_converges_with_the_second_order() -> None:
     smooth = function(of, [(0.0, (1, 1, 1, 0.0)), (1.0, (1, 0.2, 0.1, 0.25))])
     light = light_at(of, LIGHTS["beside"])
     values = {"light_position": light, "technique_id": "half_angle", "light_buffer_size": 256}
-    exact = picture(of, smooth, camera(of), step=0.1, **values)
+    exact = image(of, smooth, camera(of), step=0.1, **values)
     steps = (2.0, 1.0, 0.5)
-    errors = [np.abs(picture(of, smooth, camera(of), step=step, **values) - exact).mean() for step in steps]
+    errors = [np.abs(image(of, smooth, camera(of), step=step, **values) - exact).mean() for step in steps]
     assert float(np.polyfit(np.log(steps), np.log(errors), 1)[0]) == pytest.approx(2.0, abs=0.3)
 
 
@@ -206,8 +196,8 @@ def test_the_shadow_of_a_ball_falls_on_the_wall_where_geometry_says() -> None:
     view = volviz.Camera((20, -200, 20), (20, 30, 20), (0, 0, 1), parallel=True, parallel_scale=20)
     size = (200, 200)
     values = {"size": size, "technique_id": "half_angle", "light_position": tuple(light), "ambient": 0.0}
-    lit = picture(of, function(of, WALL), view, crop=(0, 39, 28, 33, 0, 39), **values)[..., 0]
-    shadowed = picture(of, function(of, WALL), view, **values)[..., 0]
+    lit = image(of, function(of, WALL), view, crop=(0, 39, 28, 33, 0, 39), **values)[..., 0]
+    shadowed = image(of, function(of, WALL), view, **values)[..., 0]
     dark = np.where(lit > 0.2, 1 - shadowed / np.maximum(lit, 1e-6), 0.0)
     rows, columns = np.indices(dark.shape)
     # parallel view along +y: columns run along +x, rows along -z
@@ -238,7 +228,7 @@ def test_balls_of_different_opacity_absorb_differently_and_attenuation_colours_t
     view = volviz.Camera((30, -200, 20), (30, 30, 20), (0, 0, 1), parallel=True, parallel_scale=20)
     # light from above: the shadows fall below the balls, where the eye sees the wall
     values = {"size": (300, 200), "technique_id": "half_angle", "light_position": (30.0, -60.0, 90.0)}
-    ours = picture(of, function(of, points), view, attenuation_color=(0.2, 0.6, 1.0), ambient=0.0, **values)
+    ours = image(of, function(of, points), view, attenuation_color=(0.2, 0.6, 1.0), ambient=0.0, **values)
     row = int((40 - 6.0) * 5)
     thin, thick, free = (ours[row, int(x * 5), :3] for x in (12.0, 48.0, 30.0))
     assert np.all(thin < 0.95 * free)
@@ -254,9 +244,9 @@ def test_matter_tints_the_light_that_passes_through_it() -> None:
     values = {"technique_id": "half_angle", "light_position": (2.0, -40.0, 26.0)}
     values |= {"attenuation_color": (1.0, 1.0, 1.0), "step": 0.25}
     view = camera(of)
-    plain = picture(of, function(of, red), view, **values)
-    tinted = picture(of, function(of, red), view, material_tint=1.0, **values)
-    unlit = picture(of, function(of, red), view, technique_id="raycast", early_termination=1.0, step=0.25)
+    plain = image(of, function(of, red), view, **values)
+    tinted = image(of, function(of, red), view, material_tint=1.0, **values)
+    unlit = image(of, function(of, red), view, technique_id="raycast", early_termination=1.0, step=0.25)
     # red light passes red matter without loss
     assert np.abs(tinted - unlit)[..., 0].mean() < 1 / 255
     assert tinted[..., 0].mean() > 1.3 * plain[..., 0].mean()
@@ -267,20 +257,20 @@ def test_nothing_jumps_where_the_order_of_slices_flips() -> None:
     view = camera(of)
     forward = np.array(view.direction)
     side = unit(np.cross(forward, view.view_up))
-    pictures = []
+    images = []
     for degrees in (89.9, 90.1):
         angle = np.radians(degrees)
         light = light_at(of, -np.cos(angle) * forward + np.sin(angle) * side)
         values = {"technique_id": "half_angle", "light_position": light, "size": (128, 128)}
-        pictures.append(picture(of, function(of), view, **values))
-    assert np.abs(pictures[0] - pictures[1]).mean() < 0.2 / 255
-    assert np.abs(pictures[0] - pictures[1]).max() < 3 / 255
+        images.append(image(of, function(of), view, **values))
+    assert np.abs(images[0] - images[1]).mean() < 0.2 / 255
+    assert np.abs(images[0] - images[1]).max() < 3 / 255
 
 
 def test_scattering_softens_shadows_and_keeps_alpha() -> None:
     of = ball_before_a_wall()
     values = {"technique_id": "half_angle", "light_position": (2.0, -40.0, 26.0), "size": (128, 128)}
-    hard, soft = (picture(of, function(of, WALL), camera(of), scattering=s, **values) for s in (0.0, 1.0))
+    hard, soft = (image(of, function(of, WALL), camera(of), scattering=s, **values) for s in (0.0, 1.0))
     assert np.array_equal(hard[..., 3], soft[..., 3])
     assert np.abs(hard - soft).max() > 0.1
     assert abs(hard[..., :3].mean() - soft[..., :3].mean()) < 0.05
@@ -291,9 +281,7 @@ def test_the_classic_blend_shows_another_picture() -> None:
     values = {"technique_id": "half_angle", "light_position": (2.0, -40.0, 26.0)}
     values["attenuation_color"] = (0.1, 0.2, 0.3)
     transfer = function(of, WALL)
-    ours, classic = (
-        picture(of, transfer, camera(of), light_blend=b, **values) for b in ("attenuate", "over")
-    )
+    ours, classic = (image(of, transfer, camera(of), light_blend=b, **values) for b in ("attenuate", "over"))
     assert np.array_equal(ours[..., 3], classic[..., 3])
     assert np.abs(ours - classic).mean() > 0.01
 
@@ -304,7 +292,7 @@ def test_the_classic_blend_shows_another_picture() -> None:
 def test_the_light_buffer_is_white_around_the_volume_and_dark_behind_it() -> None:
     of = ball_before_a_wall()
     values = {"technique_id": "half_angle", "light_position": (20.0, -80.0, 20.0), "display": "light_buffer"}
-    shown = picture(of, function(of, WALL), camera(of), size=(80, 64), attenuation_color=(1, 1, 1), **values)
+    shown = image(of, function(of, WALL), camera(of), size=(80, 64), attenuation_color=(1, 1, 1), **values)
     square = shown[:, 8:72]
     assert np.array_equal(shown[:, :7, 3], np.zeros((64, 7)))
     assert np.all(square[0, :, :3] == 1.0)
@@ -314,10 +302,10 @@ def test_the_light_buffer_is_white_around_the_volume_and_dark_behind_it() -> Non
 def test_slices_are_shown_one_after_the_other_from_the_light() -> None:
     of = volume()
     values = {"technique_id": "half_angle", "light_position": light_at(of, LIGHTS["front"]), "slices": 24}
-    pictures = [picture(of, function(of), camera(of), slices_shown=n, **values) for n in (6, 12, 18, 24)]
-    alphas = [shown[..., 3].mean() for shown in pictures]
+    images = [image(of, function(of), camera(of), slices_shown=n, **values) for n in (6, 12, 18, 24)]
+    alphas = [shown[..., 3].mean() for shown in images]
     assert alphas == sorted(set(alphas))
-    assert np.array_equal(pictures[-1], picture(of, function(of), camera(of), **values))
+    assert np.array_equal(images[-1], image(of, function(of), camera(of), **values))
 
 
 def window_with(of: volviz.Volume, view: volviz.Camera, **values: Any) -> tuple[Any, Any]:
@@ -338,12 +326,12 @@ def test_a_light_inside_the_volume_is_said_in_words_and_drawn_as_a_headlight() -
     plotter, handle = window_with(of, view, light_position=of.center)
     try:
         assert handle._runner.technique.notice == INSIDE
-        from_inside = handle.read_picture()
+        from_inside = handle.read_image()
         handle.update(headlight=True)
         plotter.render()
         handle.raise_error()
         assert handle._runner.technique.notice == ""
-        assert np.array_equal(from_inside, handle.read_picture())
+        assert np.array_equal(from_inside, handle.read_image())
     finally:
         handle.remove()
         plotter.close()
@@ -354,12 +342,12 @@ def test_an_opaque_mesh_hides_what_lies_behind_it() -> None:
     view = volviz.Camera((20, -100, 20), (20, 30, 20), (0, 0, 1))
     plotter, handle = window_with(of, view)
     try:
-        free = handle.read_picture()
+        free = handle.read_image()
         mesh = pyvista.Plane(center=(20, 20, 20), direction=(0, 1, 0), i_size=30, j_size=30)
         plane = plotter.add_mesh(mesh)
         plotter.render()
         handle.raise_error()
-        hidden = handle.read_picture()
+        hidden = handle.read_image()
         plotter.remove_actor(plane)
     finally:
         handle.remove()
@@ -443,8 +431,8 @@ def test_leaving_out_invisible_blocks_changes_nothing() -> None:
     ]
     hidden = [(v, (*c[:3], 0.0 if c[3] == 1e-5 else c[3])) for v, c in shown]
     values = {"technique_id": "half_angle", "light_position": light_at(of, (1, -2, 1)), "size": (160, 160)}
-    skipping = picture(of, function(of, hidden), camera(of), **values)
-    drawing = picture(of, function(of, shown), camera(of), **values)
+    skipping = image(of, function(of, hidden), camera(of), **values)
+    drawing = image(of, function(of, shown), camera(of), **values)
     assert skipping[..., 3].max() > 0.5
     # light buffers fitted to different boxes differ a little where shadows have edges
     assert np.abs(skipping - drawing)[..., 3].max() <= 1 / 255

@@ -1,4 +1,4 @@
-"""Our pictures inside VTK's window: occlusion both ways, overlay, antialiasing, renderers, state, ends."""
+"""Our images inside VTK's window: occlusion both ways, overlay, antialiasing, renderers, state, ends."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import pytest
 
 import volviz
 from tests.render.scenes import POINTS, camera, function, volume
-from volviz.custom_gl.host import handles_of
-from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.custom_gl.host.window_gpu import KEEP_MULTISAMPLING
+from volviz.custom_gl.offscreen import apply_camera
+from volviz.custom_gl.vtk import handles_of
+from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.custom_gl.vtk.window_gpu import KEEP_MULTISAMPLING
 from volviz.errors import RenderError, VolvizError
-from volviz.offscreen import apply_camera
 
 SIZE = (160, 120)
 
@@ -33,7 +33,7 @@ def plotter(multi_samples: int = 0, shape: tuple[int, int] = (1, 1), **options: 
 
 
 def shot(window: Any) -> Any:
-    """The window's picture, (H, W, 3) float."""
+    """The window's image, (H, W, 3) float."""
     return window.screenshot(return_img=True)[..., :3].astype(float)
 
 
@@ -78,8 +78,8 @@ def test_opaque_meshes_and_the_volume_occlude_one_another(
         mesh = window.add_mesh(behind, color="blue", lighting=False)
         handle = volviz.add_volume(window, of, technique, transfer_function=opaque_function(of))
         place(window, of)
-        picture = shot(window)
-        middle = picture[SIZE[1] // 2, SIZE[0] // 2]
+        image = shot(window)
+        middle = image[SIZE[1] // 2, SIZE[0] // 2]
         assert middle[0] > 200, "the sphere in front of the volume is hidden"
         assert middle[1] < 30, "the volume shines through the sphere in front of it"
         window.remove_actor("nothing")
@@ -121,9 +121,9 @@ def test_overlay_text_lies_on_top_of_the_volume() -> None:
         handle = volviz.add_volume(window, of, transfer_function=opaque_function(of))
         window.add_text("XXXXXXXX", position=(40, 50), font_size=24, color="red")
         place(window, of)
-        picture = shot(window)
+        image = shot(window)
         handle.remove()
-    assert ((picture[..., 0] > 200) & (picture[..., 1] < 60)).sum() > 200
+    assert ((image[..., 0] > 200) & (image[..., 1] < 60)).sum() > 200
 
 
 def test_vtk_draws_the_same_with_an_invisible_volume_and_after_its_removal() -> None:
@@ -153,10 +153,10 @@ def test_two_renderers_of_one_window_show_two_volumes() -> None:
             window.subplot(0, column)
             handles.append(volviz.add_volume(window, of, technique, transfer_function=function(of)))
             place(window, of)
-        picture = shot(window)
+        image = shot(window)
         for handle in handles:
             handle.remove()
-    left, right = picture[:, : SIZE[0] // 2], picture[:, SIZE[0] // 2 :]
+    left, right = image[:, : SIZE[0] // 2], image[:, SIZE[0] // 2 :]
     assert left.max() > 50
     assert np.abs(left - right).mean() < 1.0
 
@@ -293,13 +293,13 @@ def test_two_volumes_in_one_window_refine_in_turn_without_mixing() -> None:
             apply_camera(window.camera, camera(of, azimuth))
             window.reset_camera_clipping_range()
         shot(window)
-        alone = [handle.read_picture() for handle in handles]
+        alone = [handle.read_image() for handle in handles]
         for handle in handles:
             handle.invalidate()
         ready = [False, False]
         while not all(ready):
             ready = [handle.refine(budget=0.0) for handle in handles]
-        in_turn = [handle.read_picture() for handle in handles]
+        in_turn = [handle.read_image() for handle in handles]
         for handle in handles:
             handle.remove()
     for a, b in zip(alone, in_turn, strict=True):
@@ -398,7 +398,7 @@ def test_surfaces_of_two_volumes_cut_one_another(technique: str, first: int) -> 
         window.camera.parallel_projection = True
         window.camera.parallel_scale = 12.0
         window.reset_camera_clipping_range()
-        picture = shot(window)
+        image = shot(window)
     rows, columns = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
     x = (columns + 0.5 - SIZE[0] / 2) * 24.0 / SIZE[1]
     y = -(rows + 0.5 - SIZE[1] / 2) * 24.0 / SIZE[1]
@@ -413,5 +413,5 @@ def test_surfaces_of_two_volumes_cut_one_another(technique: str, first: int) -> 
     rim |= np.abs(np.hypot(x - places[1][0], y) - 8) < 0.5
     judged = clear & seen & ~rim
     assert judged.sum() > 3000
-    shows_red = picture[..., 0] > picture[..., 2]
+    shows_red = image[..., 0] > image[..., 2]
     assert (shows_red[judged] == (red > blue)[judged]).mean() == 1.0

@@ -21,25 +21,25 @@ from tests.render.scenes import (
     volume,
 )
 from volviz.custom_gl.gpu import resources
-from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.offscreen import apply_camera
 from volviz.custom_gl.picking import Sight
 from volviz.custom_gl.registry import technique
 from volviz.custom_gl.settings import common_settings
 from volviz.custom_gl.technique import FrameCamera
 from volviz.custom_gl.techniques.isosurface.technique import pick
+from volviz.custom_gl.vtk.vtk_imports import pyvista
 from volviz.errors import SettingError
-from volviz.kernels.reference_surface import SurfacePicture, reference_isosurface
-from volviz.kernels.surface_pick import pixel_ray
 from volviz.model.clipping import Clipping
 from volviz.model.parameters import make_settings
-from volviz.offscreen import apply_camera
+from volviz.reference.isosurface import SurfaceImage, reference_isosurface
+from volviz.reference.surface_pick import pixel_ray
 
 MAX_ERROR, MEAN_ERROR = 2 / 255, 0.5 / 255
 COLORS = ((0.8, 0.6, 0.4), (0.2, 0.9, 0.3), (0.3, 0.3, 1.0), (1.0, 0.1, 0.0))
 
 
 def settings_of(of: volviz.Volume, **values: Any) -> Any:
-    """Settings as `picture` uses them: the middle of the range unless isovalues are given."""
+    """Settings as `image` uses them: the middle of the range unless isovalues are given."""
     given = {"isovalues": (float(np.mean(of.range)),), "colors": COLORS} | values
     info = technique("isosurface")
     return make_settings(
@@ -47,16 +47,16 @@ def settings_of(of: volviz.Volume, **values: Any) -> Any:
     )
 
 
-def picture(of: volviz.Volume, view: volviz.Camera, *, size: Any = SIZE, **values: Any) -> Any:
-    """Our picture, premultiplied float64, (H, W, 4)."""
+def image(of: volviz.Volume, view: volviz.Camera, *, size: Any = SIZE, **values: Any) -> Any:
+    """Our image, premultiplied float64, (H, W, 4)."""
     given = {"isovalues": (float(np.mean(of.range)),), "colors": COLORS} | values
     straight = volviz.render(of, "isosurface", size=size, camera=view, dtype="float32", **given).astype(float)
     straight[..., :3] *= straight[..., 3:]
     return straight
 
 
-def oracle(of: volviz.Volume, view: volviz.Camera, *, size: Any = SIZE, **values: Any) -> SurfacePicture:
-    """The oracle's picture for the same values; it takes more bisections than a setting allows."""
+def oracle(of: volviz.Volume, view: volviz.Camera, *, size: Any = SIZE, **values: Any) -> SurfaceImage:
+    """The oracle's image for the same values; it takes more bisections than a setting allows."""
     bisections = values.get("bisections", 4)
     s = settings_of(of, **(values | {"bisections": min(bisections, 16)}))
     view_matrix, projection = matrices(of, view, size)
@@ -75,7 +75,7 @@ def oracle(of: volviz.Volume, view: volviz.Camera, *, size: Any = SIZE, **values
 
 
 def assert_like_the_oracle(of: volviz.Volume, view: volviz.Camera, **values: Any) -> None:
-    ours, exact = picture(of, view, **values), oracle(of, view, **values).color
+    ours, exact = image(of, view, **values), oracle(of, view, **values).color
     assert (exact[..., 3] > 0).mean() > 0.03, "the scene is empty and proves nothing"
     assert np.abs(ours - exact).max() <= MAX_ERROR
     assert np.abs(ours - exact).mean() <= MEAN_ERROR
@@ -83,7 +83,7 @@ def assert_like_the_oracle(of: volviz.Volume, view: volviz.Camera, **values: Any
 
 def positions(of: volviz.Volume, view: volviz.Camera, **values: Any) -> tuple[Any, Any]:
     """World points (H, W, 3) of the nearest surface, and where there is one."""
-    shown = picture(of, view, display="positions", **values)
+    shown = image(of, view, display="positions", **values)
     index = shown[..., :3] * of.dimensions - 0.5
     return index @ of.index_to_world[:3, :3].T + of.index_to_world[:3, 3], shown[..., 3] == 1
 
@@ -165,9 +165,9 @@ def test_skipping_empty_bricks_changes_nothing(step: float, monkeypatch: pytest.
         field[z : z + 3, y : y + 2, x : x + 4] = 1.0
     of = volviz.Volume(field, spacing=(1.0, 0.7, 1.2))
     values = {"isovalues": (0.2, 0.6), "opacities": (0.5, 1.0), "step": step}
-    skipping = picture(of, camera(of), **values)
+    skipping = image(of, camera(of), **values)
     monkeypatch.setattr(resources, "occupancy_for_isovalues", lambda low, *_: np.ones(low.shape, bool))
-    marching = picture(of, camera(of), **values)
+    marching = image(of, camera(of), **values)
     assert (marching[..., 3] > 0).mean() > 0.01
     assert np.abs(skipping - marching).max() < 1e-4
 
@@ -183,7 +183,7 @@ def test_a_sphere_lies_within_a_tenth_of_a_voxel_with_normals_within_a_degree(pa
     assert hit.mean() > 0.1
     radius = np.linalg.norm(points, axis=-1)[hit]
     assert np.abs(radius - 15.0).max() < 0.1 * 0.8
-    normals = picture(of, view, isovalues=(0.0,), display="normals")[..., :3][hit] * 2 - 1
+    normals = image(of, view, isovalues=(0.0,), display="normals")[..., :3][hit] * 2 - 1
     cosine = (normals * points[hit]).sum(axis=-1) / radius
     assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).max() < 1.0
 
@@ -219,7 +219,7 @@ def test_rising_and_falling_crossings_are_both_seen() -> None:
     of = volviz.Volume(np.broadcast_to(profile, (9, 9, 33)).copy())
     x, y, z = of.center
     view = volviz.Camera((x - 60, y, z), (x, y, z), parallel=True, parallel_scale=2.0)
-    alpha = picture(of, view, isovalues=(0.5,), opacities=(0.5,))[..., 3]
+    alpha = image(of, view, isovalues=(0.5,), opacities=(0.5,))[..., 3]
     assert np.abs(alpha - 0.75).max() < 1e-6
 
 
@@ -241,7 +241,7 @@ def test_a_plateau_at_the_isovalue_is_not_torn(levels: tuple[int, int]) -> None:
 @pytest.mark.parametrize("isovalue", [-5.0, 300.0, 1e30, -1e30])
 def test_an_isovalue_outside_the_data_is_an_empty_picture(isovalue: float) -> None:
     of = volume()
-    assert not picture(of, camera(of), isovalues=(isovalue,)).any()
+    assert not image(of, camera(of), isovalues=(isovalue,)).any()
 
 
 # ---------------------------------------------------------------------- looks
@@ -250,8 +250,8 @@ def test_an_isovalue_outside_the_data_is_an_empty_picture(isovalue: float) -> No
 def test_each_isovalue_keeps_its_own_colour_in_whatever_order_they_are_given() -> None:
     of = sphere()
     red, green = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    forward = picture(of, camera(of), isovalues=(0.0, 5.0), colors=(red, green), opacities=(0.4, 1.0))
-    backward = picture(of, camera(of), isovalues=(5.0, 0.0), colors=(green, red), opacities=(1.0, 0.4))
+    forward = image(of, camera(of), isovalues=(0.0, 5.0), colors=(red, green), opacities=(0.4, 1.0))
+    backward = image(of, camera(of), isovalues=(5.0, 0.0), colors=(green, red), opacities=(1.0, 0.4))
     assert np.abs(forward - backward).max() < 1e-6
     middle = forward[32, 32]
     assert middle[0] > 0.3
@@ -265,7 +265,7 @@ def test_the_automatic_isovalue_lies_between_object_and_surroundings() -> None:
     ball = np.where(of.array > 0, 900.0, 100.0) + random.normal(0.0, 30.0, of.array.shape)
     noisy = volviz.Volume(ball.astype(np.int16), of.spacing, of.origin)
     shown = volviz.render(noisy, "isosurface", camera=camera(noisy), size=SIZE)
-    middle = picture(noisy, camera(noisy), isovalues=(500.0,))
+    middle = image(noisy, camera(noisy), isovalues=(500.0,))
     assert ((shown[..., 3] > 0) != (middle[..., 3] > 0)).mean() < 0.03
     points, hit = positions(noisy, camera(noisy), isovalues=None)
     assert np.abs(np.linalg.norm(points, axis=-1)[hit] - 15.0).max() < 1.5 * 0.8
@@ -293,13 +293,13 @@ def test_the_classic_values_draw_a_grey_surface_at_40() -> None:
     assert 0.1 < surface.mean() < 0.9
     assert np.all(shown[..., 0] == shown[..., 1])
     assert np.all(shown[..., 1] == shown[..., 2])
-    assert (surface == (picture(of, camera(of), isovalues=(40.0,), step=1.0)[..., 3] > 0)).all()
+    assert (surface == (image(of, camera(of), isovalues=(40.0,), step=1.0)[..., 3] > 0)).all()
 
 
 def test_the_display_of_samples_shows_that_empty_bricks_cost_nothing() -> None:
     of = sphere(count=96, radius=6.0, spacing=1.0)
-    samples = picture(of, camera(of), isovalues=(0.0,), display="samples")[..., 0] * 255
-    covered = picture(of, camera(of), isovalues=(0.0,))[..., 3] > 0
+    samples = image(of, camera(of), isovalues=(0.0,), display="samples")[..., 0] * 255
+    covered = image(of, camera(of), isovalues=(0.0,))[..., 3] > 0
     assert samples[covered].min() >= 1
     # a ray through the whole box would take about 190
     assert samples.mean() < 12
@@ -411,7 +411,7 @@ def test_picking_returns_the_point_and_value_that_are_shown() -> None:
     points, hit = positions(of, view, bisections=16, **solid)
     matrix, projection = matrices(of, view, SIZE)
     eye = FrameCamera(matrix, projection, np.array(view.position), np.array(view.direction), False)
-    faint = picture(of, view, **values)[..., 3] > 0
+    faint = image(of, view, **values)[..., 3] > 0
     assert hit.sum() > 40
     checked = 0
     for row in range(0, SIZE[1], 3):

@@ -70,7 +70,7 @@ def test_a_second_layer_draws_its_own_volume(tmp_path: Path, monkeypatch: pytest
     mirrored = volviz.Volume(np.ascontiguousarray(blobs(dtype=np.float32)[:, :, ::-1]))
     curve = function(first)
     values = {"mode": "additive", "shading": True}
-    pictures: dict[tuple[int, int], Any] = {}
+    images: dict[tuple[int, int], Any] = {}
     both = TwoVolumes(monkeypatch, tmp_path, mirrored)
     both.hook.write_text(COMPOSITE % (1, 0))
     with shown(first, "raycast", SIZE, transfer_function=curve, **values) as (window, handle):
@@ -80,7 +80,7 @@ def test_a_second_layer_draws_its_own_volume(tmp_path: Path, monkeypatch: pytest
             handle.invalidate()
             window.render()
             handle.raise_error()
-            pictures[parts] = handle.read_picture()
+            images[parts] = handle.read_image()
         both.release()
     both.hook.write_text(COMPOSITE % (1, 0))
     both = TwoVolumes(monkeypatch, tmp_path, first)
@@ -88,8 +88,8 @@ def test_a_second_layer_draws_its_own_volume(tmp_path: Path, monkeypatch: pytest
     with shown(mirrored, "raycast", SIZE, transfer_function=curve, **values) as (window, handle):
         window.render()
         handle.raise_error()
-        alone = handle.read_picture()
+        alone = handle.read_image()
         both.release()
-    assert np.abs(pictures[1, 0] - pictures[0, 1]).max() > 0.05, "the volumes differ"
-    assert np.abs(pictures[0, 1] - alone).max() < 1e-5
-    assert np.abs(pictures[1, 1] - pictures[1, 0] - pictures[0, 1]).max() < 1e-5
+    assert np.abs(images[1, 0] - images[0, 1]).max() > 0.05, "the volumes differ"
+    assert np.abs(images[0, 1] - alone).max() < 1e-5
+    assert np.abs(images[1, 1] - images[1, 0] - images[0, 1]).max() < 1e-5

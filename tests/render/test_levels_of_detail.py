@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import blobs, camera, function, picture, psnr, volume
-from volviz.custom_gl.gpu.scalars import Texels, coarser, levels_of, reduction
-from volviz.custom_gl.host.vtk_border import pyvista
+from tests.render.scenes import blobs, camera, function, image, psnr, volume
+from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.volume_data.scalars import TextureData, coarser, levels_of, reduction
 
 
 def test_a_coarser_level_holds_means_of_blocks() -> None:
     random = np.random.default_rng(1)
     data = random.random((6, 5, 7), dtype=np.float32)
-    level = coarser(Texels(data, 1.0, 0.0))
+    level = coarser(TextureData(data, 1.0, 0.0))
     assert level.data.shape == (3, 3, 4)
     assert level.factor == (2, 2, 2)
     assert level.data[0, 0, 0] == pytest.approx(data[:2, :2, :2].mean(), rel=1e-5)
@@ -43,11 +43,11 @@ def test_a_reduced_volume_is_drawn_in_the_same_place(monkeypatch: pytest.MonkeyP
     of = volviz.Volume(blobs((120, 128, 140), np.float32))
     view, transfer = camera(of), function(of)
     size = (100, 100)
-    full = picture(of, transfer, view, size=size)
+    full = image(of, transfer, view, size=size)
     # 120 x 128 x 140 floats are 8.2 MB
     monkeypatch.setenv("VOLVIZ_TEXTURE_MB", "2")
     again = volviz.Volume(of.array)
-    reduced = picture(again, transfer, view, size=size)
+    reduced = image(again, transfer, view, size=size)
     shifted = [
         psnr(full[8:-8, 8:-8], np.roll(reduced, move, axis=(0, 1))[8:-8, 8:-8])
         for move in ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0))
@@ -62,12 +62,11 @@ def test_mipmaps_calm_a_volume_seen_from_afar() -> None:
     transfer = volviz.TransferFunction.from_points([(0.0, (0, 0, 0, 0.2)), (1.0, (1, 1, 1, 0.2))])
     view = camera(of)
     size = (24, 24)
-    sharp = picture(of, transfer, view, size=(192, 192)).reshape(24, 8, 24, 8, 4).mean(axis=(1, 3))
+    sharp = image(of, transfer, view, size=(192, 192)).reshape(24, 8, 24, 8, 4).mean(axis=(1, 3))
     inner = sharp[..., 3] > 0.97
     assert inner.sum() > 40
     without, with_mipmaps = (
-        np.abs(picture(of, transfer, view, size=size, mipmaps=on) - sharp)[inner].mean()
-        for on in (False, True)
+        np.abs(image(of, transfer, view, size=size, mipmaps=on) - sharp)[inner].mean() for on in (False, True)
     )
     assert with_mipmaps < 0.6 * without
 

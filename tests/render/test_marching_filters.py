@@ -1,4 +1,4 @@
-"""Parts, smoothing and decimation of the meshes in a picture: the triangles that `extract_isosurface` gives."""
+"""Parts, smoothing and decimation of the meshes in an image: the triangles that `extract_isosurface` gives."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_filter_that_leaves_nothing_shows_an_empty_picture() -> None:
     with shown(speckled(), isovalue=0.3, parts="large", part_triangles=10_000_000) as (_, handle):
         handle.raise_error()
         assert handle.mesh.triangles == 0
-        assert not handle.read_picture().any()
+        assert not handle.read_image().any()
 
 
 def test_smoothing_makes_a_mask_rounder() -> None:
@@ -132,13 +132,13 @@ def test_progress_of_an_extraction_with_filters_covers_both() -> None:
 
 def test_a_stand_in_is_filtered_as_a_coarse_mesh_can_be() -> None:
     of = speckled()
-    wish = MeshRequest(
+    request = MeshRequest(
         of, 0.3, "lorensen", 2, largest_part=True, min_triangles=800, smoothing=5, decimation=0.7
     )
-    coarse = wish.coarser(4)
+    coarse = request.coarser(4)
     assert (coarse.stride, coarse.min_triangles) == (8, 50)
     assert (coarse.smoothing, coarse.decimation, coarse.largest_part) == (5, 0.0, True)
-    assert wish.coarser(1) == wish
+    assert request.coarser(1) == request
 
 
 def test_a_filtered_mesh_comes_from_a_worker_that_tells_how_far_it_is() -> None:

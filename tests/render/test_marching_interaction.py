@@ -1,4 +1,4 @@
-"""Meshes in a window: extraction on a worker, the newest isovalue, stand-ins, chunks, release."""
+"""Meshes in a window: extraction on a worker, the newest isovalue, LOD meshes, chunks, release."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import volviz
 from tests.render import scenes
 from tests.render.scenes import Requests, blobs
 from tests.waiting import refuse_to_wait
-from volviz.custom_gl.host.pacing import BUDGET, FULL, CostModel, Level
 from volviz.custom_gl.mesh_drawing import blocks, technique
 from volviz.custom_gl.mesh_drawing.mesh import MeshRequest, ReadyMesh
+from volviz.custom_gl.vtk.frame_scheduling import BUDGET, FULL, CostModel, QualityLevel
 from volviz.errors import RenderError
 from volviz.kernels import marching
 from volviz.kernels.marching import marching_cubes
@@ -52,20 +52,20 @@ def field() -> volviz.Volume:
 
 
 def complete(window: Any, handle: Any) -> Any:
-    """The full picture, drawn turn by turn."""
+    """The full image, drawn turn by turn."""
     end = time.monotonic() + 30
     while not handle.refine(0.01):
         assert time.monotonic() < end, "the picture is never complete"
     window.render()
     handle.raise_error()
-    return handle.read_picture()
+    return handle.read_image()
 
 
 def alone(of: volviz.Volume, isovalue: float) -> Any:
-    """The picture without a pacer."""
+    """The image without a frame scheduler."""
     with shown(of, isovalue=isovalue) as (_, handle):
         handle.raise_error()
-        return handle.read_picture()
+        return handle.read_image()
 
 
 # ---------------------------------------------------------------------- the worker
@@ -130,8 +130,8 @@ def test_an_extraction_that_nobody_wants_is_cancelled(monkeypatch: pytest.Monkey
 
 
 def test_every_frame_of_a_drag_shows_a_newer_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
-    # a machine so slow that full pictures are out of the question
-    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
+    # a machine so slow that full images are out of the question
+    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: QualityLevel(0.5))
     drawn: list[float] = []
     draw = blocks.MeshBlocks.draw
 
@@ -209,15 +209,15 @@ def test_taking_the_volume_away_ends_the_worker(monkeypatch: pytest.MonkeyPatch)
     assert not slow.go.is_set()
 
 
-# ---------------------------------------------------------------------- stand-ins
+# ---------------------------------------------------------------------- LOD meshes
 
 
 def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.MonkeyPatch) -> None:
     of = field()
-    monkeypatch.setattr(technique, "STAND_IN_TRIANGLES", 1500)
-    monkeypatch.setattr(technique, "STAND_IN_TRIANGLES_HARDWARE", 1500)
-    # a machine so slow that full pictures are out of the question
-    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
+    monkeypatch.setattr(technique, "LOD_MESH_TRIANGLES", 1500)
+    monkeypatch.setattr(technique, "LOD_MESH_TRIANGLES_HARDWARE", 1500)
+    # a machine so slow that full images are out of the question
+    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: QualityLevel(0.5))
     drawn: list[int] = []
     draw = blocks.MeshBlocks.draw
 
@@ -247,7 +247,7 @@ def test_a_coarser_mesh_stands_in_while_something_moves(monkeypatch: pytest.Monk
 
 
 def test_small_meshes_need_no_stand_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: Level(0.5))
+    monkeypatch.setattr(CostModel, "level", lambda self, quality, share=1.0: QualityLevel(0.5))
     with shown(volviz.Volume(blobs(dtype=np.float32)), Requests(), isovalue=0.4) as (window, handle):
         complete(window, handle)
         slow = SlowExtraction(monkeypatch)
@@ -265,7 +265,7 @@ def test_interaction_never_takes_a_full_picture_for_cheap_because_stand_ins_are(
     for _ in range(100):
         level = cost.level("balanced")
         assert level != FULL
-        # the stand-in takes the same short time at each level
+        # the LOD mesh takes the same short time at each level
         cost.observe(level, 0.01)
     assert level.fraction == 0.75
     assert cost.full_seconds == pytest.approx(0.8)
@@ -279,7 +279,7 @@ def test_resolution_is_not_given_up_where_triangles_cost() -> None:
         handle.begin_interaction()
         for _ in range(3):
             window.camera.Azimuth(3)
-            handle._cost.observe(Level(0.125, 4.0), 5.0)
+            handle._cost.observe(QualityLevel(0.125, 4.0), 5.0)
             window.render()
             handle.raise_error()
             assert handle.status.resolution == technique.MeshTechnique.least_resolution

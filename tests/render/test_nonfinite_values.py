@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import blobs, camera, function, picture
+from tests.render.scenes import blobs, camera, function, image
 
 SIZE = (40, 32)
 TECHNIQUES = [name for name in volviz.techniques() if name != "reference"]
@@ -31,8 +31,8 @@ def test_no_number_is_drawn_as_the_lowest_value(technique: str) -> None:
     transfer, view = function(holes), camera(holes)
     # the same first surface for both
     surface = {p.name: 3.4 for p in volviz.techniques()[technique].parameters if p.name == "isovalue"}
-    seen = picture(holes, transfer, view, size=SIZE, technique_id=technique, **surface)
-    expected = picture(filled, transfer, view, size=SIZE, technique_id=technique, **surface)
+    seen = image(holes, transfer, view, size=SIZE, technique_id=technique, **surface)
+    expected = image(filled, transfer, view, size=SIZE, technique_id=technique, **surface)
     assert expected[..., 3].max() > 0.1
     np.testing.assert_array_equal(seen, expected)
 
@@ -62,7 +62,7 @@ def test_values_that_floats_cannot_hold_are_drawn_as_others_are(technique: str, 
         names = {p.name for p in volviz.techniques()[technique].parameters}
         surface = {"isovalue": isovalue, "isovalues": (isovalue,)}
         values = {name: value for name, value in surface.items() if name in names}
-        return picture(shown, function(shown), camera(shown), size=SIZE, technique_id=technique, **values)
+        return image(shown, function(shown), camera(shown), size=SIZE, technique_id=technique, **values)
 
     seen, expected = drawn(of), drawn(easy)
     assert expected[..., 3].max() > 0.1
@@ -74,8 +74,8 @@ def test_values_that_floats_cannot_hold_are_drawn_as_others_are(technique: str, 
 def test_a_range_wider_than_floats_are_is_drawn() -> None:
     easy = volviz.Volume(blobs(dtype=np.float64))
     wide = volviz.Volume(((2.0 * easy.array - 1.0) * 3e38).astype(np.float32))
-    pictures = [picture(of, function(of), camera(of), size=SIZE) for of in (easy, wide)]
-    np.testing.assert_allclose(*pictures, atol=2e-3)
+    images = [image(of, function(of), camera(of), size=SIZE) for of in (easy, wide)]
+    np.testing.assert_allclose(*images, atol=2e-3)
 
 
 @pytest.mark.parametrize("technique", ["raycast", "isosurface", "vtk_gpu"])

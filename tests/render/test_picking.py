@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import volviz
-from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.model.transfer_function_2d import Region, TransferFunction2D
+from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.model.transfer.function_2d import Region, TransferFunction2D
 
 SIZE = (121, 91)
 CENTRE = (60, 45)

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import camera, function, oracle, picture, psnr, shown, volume
+from tests.render.scenes import camera, function, image, oracle, psnr, shown, volume
 from volviz.compare.stage import Stage, View
 from volviz.compare.timing import stage_timer
 from volviz.custom_gl.gpu.context import PRETEND_HARDWARE
 from volviz.custom_gl.gpu.resources import texel_limits
-from volviz.custom_gl.host import frame_uniforms
-from volviz.custom_gl.host.vtk_border import pyvista
+from volviz.custom_gl.vtk import frame_uniforms
+from volviz.custom_gl.vtk.vtk_imports import pyvista
 
 SIZE = (48, 40)
 
@@ -32,7 +32,7 @@ def test_the_switch_answers_for_the_driver(monkeypatch: pytest.MonkeyPatch) -> N
         handle.raise_error()
         limits = handle.gpu.limits
         assert not limits.software
-        assert not handle.gpu.programs.carries_uniforms
+        assert not handle.gpu.programs.forwards_uniforms
         monkeypatch.delenv(PRETEND_HARDWARE)
         named = any(
             word in limits.renderer.lower() for word in ("llvmpipe", "softpipe", "swrast", "software")
@@ -58,7 +58,7 @@ def test_integers_in_textures_of_their_own_size_give_the_oracles_picture(
     of = volume(dtype, spacing=(1.0, 1.2, 0.9))
     transfer, view = function(of), camera(of)
     exact = oracle(of, transfer, view, size=SIZE, technique_id=technique, **values)
-    drawn = picture(of, transfer, view, size=SIZE, technique_id=technique, **values)
+    drawn = image(of, transfer, view, size=SIZE, technique_id=technique, **values)
     assert psnr(drawn, exact) > 40
 
 
@@ -89,7 +89,7 @@ def test_multisampling_stays() -> None:
         handle.raise_error()
         assert window.render_window.GetMultiSamples() == 4
         # the volume is there over the samples of VTK's framebuffer
-        assert np.count_nonzero(handle.read_picture()[..., 3]) > 50
+        assert np.count_nonzero(handle.read_image()[..., 3]) > 50
     finally:
         if handle is not None:
             handle.remove()
@@ -128,8 +128,8 @@ def test_frame_times_are_also_taken_by_the_clock_of_the_gpu() -> None:
 def test_pictures_are_those_of_software_opengl(technique: str, monkeypatch: pytest.MonkeyPatch) -> None:
     of = volume(np.float32, spacing=(1.0, 1.2, 0.9))
     transfer, view = function(of), camera(of)
-    hardware = picture(of, transfer, view, size=SIZE, technique_id=technique)
+    hardware = image(of, transfer, view, size=SIZE, technique_id=technique)
     monkeypatch.delenv(PRETEND_HARDWARE)
-    software = picture(of, transfer, view, size=SIZE, technique_id=technique)
+    software = image(of, transfer, view, size=SIZE, technique_id=technique)
     assert np.count_nonzero(software[..., 3]) > 50
     assert np.abs(hardware - software).max() < 1e-5

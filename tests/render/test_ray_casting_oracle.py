@@ -8,17 +8,7 @@ import numpy as np
 import pytest
 
 import volviz
-from tests.render.scenes import (
-    LEFT_HANDED,
-    OBLIQUE,
-    blobs,
-    camera,
-    function,
-    inside,
-    oracle,
-    picture,
-    volume,
-)
+from tests.render.scenes import LEFT_HANDED, OBLIQUE, blobs, camera, function, image, inside, oracle, volume
 
 MODES = ("composite", "maximum", "minimum", "average", "additive", "attenuated_maximum")
 
@@ -31,7 +21,7 @@ RAMP = [(0.0, (0.2, 0.2, 0.6, 0.15)), (0.3, (0.2, 1.0, 0.4, 0.5)), (1.0, (1.0, 0
 
 def assert_like_the_oracle(of: volviz.Volume, view: volviz.Camera, points: Any = None, **values: Any) -> None:
     transfer = function(of, points)
-    ours, exact = picture(of, transfer, view, **values), oracle(of, transfer, view, **values)
+    ours, exact = image(of, transfer, view, **values), oracle(of, transfer, view, **values)
     difference = np.abs(ours - exact)
     assert exact[..., 3].max() > 0.1, "the scene is empty and proves nothing"
     assert difference.max() <= MAX_ERROR
@@ -97,7 +87,7 @@ def test_clip_planes_draw_what_the_oracle_draws() -> None:
 def test_nearest_interpolation_draws_what_the_oracle_draws() -> None:
     of = volume()
     view = camera(of)
-    ours = picture(of, function(of), view, interpolation="nearest")
+    ours = image(of, function(of), view, interpolation="nearest")
     exact = oracle(of, function(of), view, interpolation="nearest")
     # a sample on the border of two voxels may fall on either side: few pixels, the mean holds
     assert np.abs(ours - exact).mean() <= MEAN_ERROR
@@ -107,7 +97,7 @@ def test_a_density_threshold_draws_what_the_oracle_draws() -> None:
     of = volume(np.float32)
     view = camera(of)
     values = {"density_threshold": 0.55}
-    difference = np.abs(picture(of, function(of), view, **values) - oracle(of, function(of), view, **values))
+    difference = np.abs(image(of, function(of), view, **values) - oracle(of, function(of), view, **values))
     # the threshold is a jump: a sample that lies on it by rounding counts or does not
     assert difference.mean() <= MEAN_ERROR
     assert np.quantile(difference, 0.99) <= MAX_ERROR
@@ -131,7 +121,7 @@ def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray(step: float, par
     transfer = volviz.TransferFunction.from_points([(0, (1, 1, 1, opacity)), (9, (1, 1, 1, opacity))])
     view = camera(of, parallel=parallel)
     values = {"step": step, "early_termination": 1.0, "opacity_unit_distance": 1.0}
-    ours = picture(of, transfer, view, **values)[..., 3]
+    ours = image(of, transfer, view, **values)[..., 3]
     # the optical depth of a ray is its length: the oracle with one tiny step is exact here
     exact = oracle(of, transfer, view, **values)[..., 3]
     assert exact.max() > 0.5
@@ -141,7 +131,7 @@ def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray(step: float, par
 def test_the_density_of_the_picture_does_not_depend_on_the_step() -> None:
     of = volume(np.float32)
     view = camera(of)
-    fine, coarse = (picture(of, function(of), view, step=step) for step in (0.2, 1.0))
+    fine, coarse = (image(of, function(of), view, step=step) for step in (0.2, 1.0))
     assert np.abs(fine - coarse).mean() < 1 / 255
 
 
@@ -149,12 +139,12 @@ STEPS = (0.8, 0.4, 0.2)
 
 
 def slope_of_error(of: volviz.Volume, transfer: volviz.TransferFunction, **values: Any) -> float:
-    """Order of convergence of the picture with the step."""
+    """Order of convergence of the image with the step."""
     view = camera(of)
     values = {"early_termination": 1.0} | values
     # both classifications have the same limit; tiny pre-integrated segments gather rounding in float32
-    exact = picture(of, transfer, view, step=0.025, **(values | {"preintegrated": False}))
-    errors = [np.abs(picture(of, transfer, view, step=step, **values) - exact).mean() for step in STEPS]
+    exact = image(of, transfer, view, step=0.025, **(values | {"preintegrated": False}))
+    errors = [np.abs(image(of, transfer, view, step=step, **values) - exact).mean() for step in STEPS]
     return float(np.polyfit(np.log(STEPS), np.log(errors), 1)[0])
 
 
@@ -188,8 +178,8 @@ def test_empty_space_skipping_changes_nothing() -> None:
     shown = [(0.0, (0.0, 0.0, 0.4, 1e-5)), *[(v, c) for v, c in zip((0.25, 0.7, 1.0), (
         (0.1, 0.3, 1.0, 1e-5), (1.0, 0.8, 0.1, 0.15), (1.0, 0.2, 0.1, 0.5)), strict=True)]]  # fmt: skip
     hidden = [(v, (*c[:3], 0.0 if c[3] == 1e-5 else c[3])) for v, c in shown]
-    skipping = picture(of, function(of, hidden), view)
-    marching = picture(of, function(of, shown), view)
+    skipping = image(of, function(of, hidden), view)
+    marching = image(of, function(of, shown), view)
     assert np.abs(skipping - marching).max() <= 1 / 255
 
 
@@ -200,8 +190,8 @@ def test_one_huge_outlier_changes_nothing_but_itself(technique: str) -> None:
     spoiled = of.array.copy()
     spoiled[0, 0, 0] = 1e9
     view = camera(of)
-    plain = picture(of, transfer, view, technique_id=technique)
-    with_outlier = picture(volviz.Volume(spoiled), transfer, view, technique_id=technique)
+    plain = image(of, transfer, view, technique_id=technique)
+    with_outlier = image(volviz.Volume(spoiled), transfer, view, technique_id=technique)
     changed = np.abs(plain - with_outlier).max(axis=-1) > 2 / 255
     # the outlier itself is a single voxel in a corner of the box
     assert changed.mean() < 0.02
@@ -212,8 +202,8 @@ def test_preintegration_survives_a_huge_outlier() -> None:
     spoiled = of.array.copy()
     spoiled[0, 0, 0] = 1e9
     view = camera(of)
-    plain = picture(of, function(of), view, preintegrated=True)
-    with_outlier = picture(volviz.Volume(spoiled), function(of), view, preintegrated=True)
+    plain = image(of, function(of), view, preintegrated=True)
+    with_outlier = image(volviz.Volume(spoiled), function(of), view, preintegrated=True)
     assert (np.abs(plain - with_outlier).max(axis=-1) > 2 / 255).mean() < 0.02
 
 
@@ -228,7 +218,7 @@ def test_skipping_loses_no_segment_of_a_thin_slab_with_preintegration(values: di
     veil = [(0, (1, 1, 1, 1e-6)), *slab[1:]]
     view = camera(of)
     skipping, marching = (
-        picture(of, volviz.TransferFunction.from_points(points), view, preintegrated=True, **values)
+        image(of, volviz.TransferFunction.from_points(points), view, preintegrated=True, **values)
         for points in (slab, veil)
     )
     assert marching[..., 3].max() > 0.3
@@ -240,13 +230,11 @@ def test_skipping_loses_no_segment_of_a_thin_slab_with_preintegration(values: di
 def test_a_large_offset_of_the_values_changes_nothing(technique: str, dtype: Any) -> None:
     plain = volviz.Volume((blobs() // 8).astype(dtype))
     offset = volviz.Volume(plain.array + dtype(10**9))
-    pictures = [
-        picture(of, function(of), camera(of), technique_id=technique, step=1.0) for of in (plain, offset)
-    ]
-    assert np.abs(pictures[0] - pictures[1]).max() <= 2 / 255
+    images = [image(of, function(of), camera(of), technique_id=technique, step=1.0) for of in (plain, offset)]
+    assert np.abs(images[0] - images[1]).max() <= 2 / 255
 
 
 def test_slices_far_from_the_origin_are_those_near_it() -> None:
     near, far = volume(), volume(origin=(1e6, -1e6, 1e6))
-    pictures = [picture(of, function(of), camera(of), technique_id="slicing", step=1.0) for of in (near, far)]
-    assert np.abs(pictures[0] - pictures[1]).max() <= 3 / 255
+    images = [image(of, function(of), camera(of), technique_id="slicing", step=1.0) for of in (near, far)]
+    assert np.abs(images[0] - images[1]).max() <= 3 / 255

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.render.scenes import SIZE, camera, function, inside, picture, volume
+from tests.render.scenes import SIZE, camera, function, image, inside, volume
 from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.registry import techniques
 from volviz.model.render_spec import View
-from volviz.model.transfer_function_2d import Region, TransferFunction2D
+from volviz.model.transfer.function_2d import Region, TransferFunction2D
 from volviz.ray_inspection import RayInspection, inspect_ray
 
 LIMIT = 2 / 255
@@ -28,7 +28,7 @@ def inspected(of: Any, technique_id: str, pixel: Any, view: Any, transfer: Any, 
 
 def assert_pixels_agree(technique_id: str, of: Any, view: Any, points: Any = None, **values: Any) -> None:
     transfer = function(of, points)
-    drawn = picture(of, transfer, view, technique_id=technique_id, **values)
+    drawn = image(of, transfer, view, technique_id=technique_id, **values)
     covered = 0
     for x, y in PIXELS:
         inspection = inspected(of, technique_id, (x, y), view, transfer, values)
@@ -120,7 +120,7 @@ def test_regions_over_value_and_gradient_are_followed(technique_id: str, mode: s
     transfer = replace(function(of), by_gradient=regions, opacity=0.8)
     view, covered = camera(of), 0
     values = {"mode": mode}
-    drawn = picture(of, transfer, view, technique_id=technique_id, **values)
+    drawn = image(of, transfer, view, technique_id=technique_id, **values)
     for x, y in PIXELS:
         found = inspected(of, technique_id, (x, y), view, transfer, values)
         assert np.abs(np.minimum(found.profile.color, 1.0) - np.minimum(drawn[y, x], 1.0)).max() <= LIMIT

@@ -10,19 +10,9 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import (
-    LEFT_HANDED,
-    OBLIQUE,
-    Requests,
-    camera,
-    function,
-    oracle,
-    picture,
-    psnr,
-    volume,
-)
-from volviz.custom_gl.techniques.reference.computing import Picture, Wish, computed
-from volviz.offscreen import apply_camera
+from tests.render.scenes import LEFT_HANDED, OBLIQUE, Requests, camera, function, image, oracle, psnr, volume
+from volviz.custom_gl.offscreen import apply_camera
+from volviz.custom_gl.techniques.reference.computing import Image, OracleRequest, computed
 from volviz.tasks import LatestResult, Tasks
 
 SIZE = (96, 80)
@@ -50,7 +40,7 @@ LIKE_VTK = {"first_sample": 1.0, "step": 0.5}
 )
 def test_the_technique_shows_what_the_oracle_computes(values: dict[str, Any]) -> None:
     of = volume()
-    shown = picture(of, function(of), camera(of), size=(48, 40), technique_id="reference", **values)
+    shown = image(of, function(of), camera(of), size=(48, 40), technique_id="reference", **values)
     computed = oracle(of, function(of), camera(of), size=(48, 40), technique_id="reference", **values)
     # float32 and straight alpha in between
     assert np.abs(shown - computed).max() < 2e-3
@@ -60,10 +50,10 @@ def test_the_technique_shows_what_the_oracle_computes(values: dict[str, Any]) ->
 def test_ours_is_at_least_as_close_to_the_reference_as_vtks(geometry: str) -> None:
     of = volume(**GEOMETRY[geometry])
     view, transfer = camera(of), function(of)
-    truth = picture(of, transfer, view, size=SIZE, technique_id="reference", **LIKE_VTK)
-    theirs = picture(of, transfer, view, size=SIZE, technique_id="vtk_gpu", step=0.5)
+    truth = image(of, transfer, view, size=SIZE, technique_id="reference", **LIKE_VTK)
+    theirs = image(of, transfer, view, size=SIZE, technique_id="vtk_gpu", step=0.5)
     for ours in ("raycast", "two_pass_raycast", "slicing"):
-        shown = picture(of, transfer, view, size=SIZE, technique_id=ours, **LIKE_VTK)
+        shown = image(of, transfer, view, size=SIZE, technique_id=ours, **LIKE_VTK)
         assert psnr(shown, theirs) > 45, ours
         if ours != "slicing":
             # slices stand across the view, not across each ray: they sample at other places
@@ -72,10 +62,10 @@ def test_ours_is_at_least_as_close_to_the_reference_as_vtks(geometry: str) -> No
 
 def test_fewer_rows_are_shown_as_blocks() -> None:
     of = volume()
-    shown = picture(of, function(of), camera(of), size=SIZE, technique_id="reference", resolution=20)
+    shown = image(of, function(of), camera(of), size=SIZE, technique_id="reference", resolution=20)
     blocks = shown.reshape(20, 4, 24, 4, 4)
     assert np.abs(blocks - blocks[:, :1, :, :1]).max() < 1e-6
-    few = picture(of, function(of), camera(of), size=(24, 20), technique_id="reference")
+    few = image(of, function(of), camera(of), size=(24, 20), technique_id="reference")
     assert np.abs(blocks[:, 0, :, 0] - few).max() < 1e-6
 
 
@@ -107,7 +97,7 @@ def test_a_window_goes_on_while_the_reference_is_computed() -> None:
         plotter.close()
 
 
-def wish(of: volviz.Volume, **changes: Any) -> Wish:
+def request(of: volviz.Volume, **changes: Any) -> OracleRequest:
     from volviz.custom_gl.techniques.reference.settings import ReferenceSettings
 
     view = np.eye(4)
@@ -118,19 +108,19 @@ def wish(of: volviz.Volume, **changes: Any) -> Wish:
         "unit_distance": 1.0, "crop": (0, 34, 0, 31, 0, 26), "planes": (), "light": None,
         "light_color": (1.0, 1.0, 1.0),
     }  # fmt: skip
-    return Wish(**(values | changes))
+    return OracleRequest(**(values | changes))
 
 
 def test_a_picture_that_is_no_longer_wanted_is_cancelled() -> None:
     of, tasks = volume(), Tasks()
-    pictures: LatestResult[Wish, Picture] = LatestResult("reference")
+    images: LatestResult[OracleRequest, Image] = LatestResult("reference")
 
-    def get(wanted: Wish) -> Picture | None:
-        return pictures.get(tasks, wanted, lambda progress, cancel: computed(wanted, progress, cancel))
+    def get(wanted: OracleRequest) -> Image | None:
+        return images.get(tasks, wanted, lambda progress, cancel: computed(wanted, progress, cancel))
 
     # some 10 seconds of work
-    assert get(wish(of, step=0.0005)) is None
-    small = wish(of, step=0.5, size=(8, 8))
+    assert get(request(of, step=0.0005)) is None
+    small = request(of, step=0.5, size=(8, 8))
     assert get(small) is None
     assert tasks.wait(60)
     found = get(small)
@@ -141,4 +131,4 @@ def test_a_picture_that_is_no_longer_wanted_is_cancelled() -> None:
 
 def test_an_error_of_the_oracle_is_raised_where_the_picture_is_asked_for() -> None:
     with pytest.raises(volviz.VolvizError, match="step_world"):
-        computed(wish(volume(), step=0.0))
+        computed(request(volume(), step=0.0))

@@ -1,4 +1,4 @@
-"""Many pictures from one OpenGL context: the same as one by one, tile by tile, in turns, given up half-way."""
+"""Many images from one OpenGL context: the same as one by one, tile by tile, in turns, given up half-way."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def test_pictures_of_all_techniques_in_turn_are_those_drawn_alone(
     of: volviz.Volume, renderer: volviz.Renderer
 ) -> None:
     values = {"transfer_function": function(of), "camera": camera(of)}
-    pictures = {ident: renderer.render(of, ident, **values) for ident in OURS}
+    images = {ident: renderer.render(of, ident, **values) for ident in OURS}
     again = {ident: renderer.render(of, ident, **values) for ident in reversed(OURS)}
     for ident in OURS:
         expected = alone(of, ident)
-        np.testing.assert_array_equal(pictures[ident], expected, err_msg=ident)
+        np.testing.assert_array_equal(images[ident], expected, err_msg=ident)
         np.testing.assert_array_equal(again[ident], expected, err_msg=ident)
 
 
@@ -132,7 +132,7 @@ def test_a_renderer_that_draws_nothing_opens_nothing() -> None:
         assert made.notice == ""
 
 
-# ---------------------------------------------------------------------------------------- many pictures
+# ---------------------------------------------------------------------------------------- many images
 
 
 def objects_of(renderer: volviz.Renderer) -> dict[str, int]:
@@ -190,7 +190,7 @@ def test_tiles_make_the_picture_that_is_drawn_at_once(
 ) -> None:
     values = {"transfer_function": function(of), "camera": camera(of, parallel=parallel), "dtype": "float32"}
     with volviz.Renderer(SIZE, largest_tile=50) as tiled:
-        picture = tiled.render(of, technique, **values)
+        image = tiled.render(of, technique, **values)
         # the projection of a tile must not stay
         small = tiled.draw(
             spec_of(of, technique, transfer_function=function(of)),
@@ -199,10 +199,8 @@ def test_tiles_make_the_picture_that_is_drawn_at_once(
         )
     whole = alone(of, technique, **values)
     assert whole[..., 3].max() > 0.3
-    np.testing.assert_allclose(
-        picture[..., :3] * picture[..., 3:], whole[..., :3] * whole[..., 3:], atol=2e-3
-    )
-    np.testing.assert_allclose(picture[..., 3], whole[..., 3], atol=2e-3)
+    np.testing.assert_allclose(image[..., :3] * image[..., 3:], whole[..., :3] * whole[..., 3:], atol=2e-3)
+    np.testing.assert_allclose(image[..., 3], whole[..., 3], atol=2e-3)
     np.testing.assert_array_equal(small, alone(of, technique, **(values | {"size": (50, 40)})))
 
 
@@ -231,10 +229,10 @@ def test_turns_make_the_picture_that_is_drawn_at_once(
 def test_progress_is_told_and_drawing_can_be_cancelled(of: volviz.Volume, renderer: volviz.Renderer) -> None:
     values = {"transfer_function": function(of), "camera": camera(of)}
     told: list[float] = []
-    picture = renderer.render(of, progress=told.append, **values)
+    image = renderer.render(of, progress=told.append, **values)
     assert told == sorted(told)
     assert told[-1] == 1.0
-    assert np.abs(picture.astype(int) - alone(of)).max() <= 1
+    assert np.abs(image.astype(int) - alone(of)).max() <= 1
     renderer.resize((600, 450))
     with pytest.raises(Cancelled):
         renderer.render(of, cancel=lambda: True, step=0.05, **values)
@@ -308,9 +306,9 @@ def test_a_surface_is_coloured_by_its_distance_to_another_one(
     low, high = of.range
     inner, outer = (low + share * (high - low) for share in (0.5, 0.25))
     other = techniques()["marching_cubes"].settings(isovalue=outer)
-    wish = DistanceColoring("marching_cubes", other, signed=True)
+    request = DistanceColoring("marching_cubes", other, signed=True)
     values = {"camera": camera(of), "isovalue": inner}
-    colors = colors_of(spec_of(of, "marching_cubes", isovalue=inner, surface_colors=wish))
+    colors = colors_of(spec_of(of, "marching_cubes", isovalue=inner, surface_colors=request))
     colored = renderer.render(of, "marching_cubes", surface_colors=colors, **values)
     plain = renderer.render(of, "marching_cubes", **values)
     assert len(marching_cubes(of.array, inner)[1]) > 0
@@ -319,4 +317,4 @@ def test_a_surface_is_coloured_by_its_distance_to_another_one(
     # the inner surface lies inside of the outer one everywhere: blue
     assert (seen[:, 2] > seen[:, 0]).mean() > 0.95
     with pytest.raises(InputError, match="draws no mesh"):
-        colors_of(spec_of(of, "raycast", surface_colors=wish))
+        colors_of(spec_of(of, "raycast", surface_colors=request))

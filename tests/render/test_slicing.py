@@ -7,8 +7,8 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import LEFT_HANDED, OBLIQUE, camera, function, inside, oracle, picture, psnr, volume
-from volviz.offscreen import apply_camera
+from tests.render.scenes import LEFT_HANDED, OBLIQUE, camera, function, image, inside, oracle, psnr, volume
+from volviz.custom_gl.offscreen import apply_camera
 
 MODES = ("composite", "maximum", "minimum", "average", "additive", "attenuated_maximum")
 RAMP = [(0.0, (0.2, 0.2, 0.6, 0.15)), (0.3, (0.2, 1.0, 0.4, 0.5)), (1.0, (1.0, 0.2, 0.1, 0.9))]
@@ -20,7 +20,7 @@ def test_every_mode_agrees_with_ray_casting(mode: str) -> None:
     view = camera(of)
     points = None if mode in ("composite", "additive") else RAMP
     values = {"mode": mode, "step": 0.25}
-    slices = picture(of, function(of, points), view, technique_id="slicing", **values)
+    slices = image(of, function(of, points), view, technique_id="slicing", **values)
     rays = oracle(of, function(of, points), view, **values)
     assert rays[..., 3].max() > 0.1
     assert psnr(slices, rays) >= 45
@@ -31,13 +31,13 @@ def test_every_mode_agrees_with_ray_casting(mode: str) -> None:
 def test_direction_and_projection_agree_with_the_oracle(direction: np.ndarray, parallel: bool) -> None:
     of = volume(spacing=(0.8, 1.0, 1.7), origin=(5.0, -3.0, 2.0), direction=direction)
     view = camera(of, parallel=parallel)
-    slices = picture(of, function(of), view, technique_id="slicing", step=0.25)
+    slices = image(of, function(of), view, technique_id="slicing", step=0.25)
     assert psnr(slices, oracle(of, function(of), view, step=0.25)) >= 45
 
 
 def test_a_camera_inside_the_volume_agrees_with_the_oracle() -> None:
     of = volume()
-    slices = picture(of, function(of), inside(of), technique_id="slicing", step=0.2)
+    slices = image(of, function(of), inside(of), technique_id="slicing", step=0.2)
     assert psnr(slices, oracle(of, function(of), inside(of), step=0.2)) >= 40
 
 
@@ -47,7 +47,7 @@ def test_a_homogeneous_box_seen_face_on_has_exact_alpha(slices: int) -> None:
     transfer = volviz.TransferFunction.from_points([(0, (1, 1, 1, 0.05)), (5, (1, 1, 1, 0.05))])
     x, y, z = of.center
     view = volviz.Camera((x, y, z + 90), (x, y, z), (0, 1, 0), parallel=True, parallel_scale=8.0)
-    alpha = picture(
+    alpha = image(
         of, transfer, view, technique_id="slicing", slices=slices, opacity_unit_distance=1.0
     )[..., 3]  # fmt: skip
     assert np.abs(alpha - (1 - 0.95**23)).max() < 1e-4
@@ -63,7 +63,7 @@ def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray_that_meets_a_sli
     transfer = volviz.TransferFunction.from_points([(0, (1, 1, 1, opacity)), (5, (1, 1, 1, opacity))])
     view = camera(of, parallel=parallel)
     values = {"step": step, "opacity_unit_distance": 1.0}
-    slices = picture(of, transfer, view, technique_id="slicing", **values)[..., 3]
+    slices = image(of, transfer, view, technique_id="slicing", **values)[..., 3]
     exact = oracle(of, transfer, view, early_termination=1.0, **values)[..., 3]
     # a short ray along the box's silhouette may pass between two planes
     meets = exact > 1 - (1 - opacity) ** (step * 1.2)
@@ -84,9 +84,9 @@ def test_data_up_to_the_border_converge_with_the_second_order() -> None:
     of = volviz.Volume((1.5 + np.sin(x) * np.cos(y + 1) + 0.5 * np.sin(2 * z)).astype(np.float32))
     transfer = function(of, [(0.0, (0, 0, 1, 0.05)), (1.0, (1, 0.5, 0, 0.2))])
     counts = (16, 32, 64)
-    exact = picture(of, transfer, camera(of), slices=2048, technique_id="slicing")
+    exact = image(of, transfer, camera(of), slices=2048, technique_id="slicing")
     errors = [
-        np.percentile(np.abs(picture(of, transfer, camera(of), slices=n, technique_id="slicing") - exact), 90)
+        np.percentile(np.abs(image(of, transfer, camera(of), slices=n, technique_id="slicing") - exact), 90)
         for n in counts
     ]
     slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
@@ -94,7 +94,7 @@ def test_data_up_to_the_border_converge_with_the_second_order() -> None:
 
 
 def beside_a_ball(of: volviz.Volume, technique: str, step: float) -> np.ndarray:
-    """The volume's picture, premultiplied, with an opaque ball in its middle."""
+    """The volume's image, premultiplied, with an opaque ball in its middle."""
     plotter = pyvista.Plotter(off_screen=True, window_size=(48, 48))
     plotter.render_window.SetMultiSamples(0)
     try:
@@ -106,7 +106,7 @@ def beside_a_ball(of: volviz.Volume, technique: str, step: float) -> np.ndarray:
         plotter.reset_camera_clipping_range()
         plotter.show(auto_close=False, interactive=False)
         handle.raise_error()
-        return np.asarray(handle.read_picture())
+        return np.asarray(handle.read_image())
     finally:
         plotter.close()
 
@@ -121,7 +121,7 @@ def test_the_last_slice_before_a_mesh_stands_for_the_ray_up_to_it() -> None:
 def test_the_first_slice_before_the_eye_stands_for_the_ray_from_the_near_plane_on() -> None:
     of = volume(np.float32)
     exact, slices = (
-        picture(of, function(of), inside(of), technique_id=technique, step=step, early_termination=1.0)
+        image(of, function(of), inside(of), technique_id=technique, step=step, early_termination=1.0)
         for technique, step in (("raycast", 0.05), ("slicing", 0.25))
     )
     # half a slice more or less at the eye: 40 dB
@@ -131,7 +131,7 @@ def test_the_first_slice_before_the_eye_stands_for_the_ray_from_the_near_plane_o
 def test_the_density_of_the_picture_does_not_depend_on_the_number_of_slices() -> None:
     of = volume(np.float32)
     few, many = (
-        picture(of, function(of), camera(of), technique_id="slicing", slices=n)[..., 3].mean()
+        image(of, function(of), camera(of), technique_id="slicing", slices=n)[..., 3].mean()
         for n in (64, 512)
     )
     assert few == pytest.approx(many, rel=0.02)
@@ -142,9 +142,9 @@ def test_a_continuous_transfer_function_converges_with_the_second_order() -> Non
     transfer = function(of, [(0.0, (1, 1, 1, 0.0)), (0.2, (1, 1, 1, 0.0)), (1.0, (1, 0.2, 0.1, 0.25))])
     view = camera(of, parallel=True)
     counts = (32, 64, 128)
-    exact = picture(of, transfer, view, technique_id="slicing", slices=2048)
+    exact = image(of, transfer, view, technique_id="slicing", slices=2048)
     errors = [
-        np.abs(picture(of, transfer, view, technique_id="slicing", slices=n) - exact).mean() for n in counts
+        np.abs(image(of, transfer, view, technique_id="slicing", slices=n) - exact).mean() for n in counts
     ]
     slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
     assert slope == pytest.approx(2.0, abs=0.3)
@@ -157,25 +157,25 @@ def test_crop_box_and_clip_planes_cut_as_in_ray_casting() -> None:
         "crop": (4.5, 25.0, 0.0, 20.25, 3.0, 26.0),
         "clip_planes": ((of.center, (1.0, 0.3, 0.2)),),
     }
-    slices = picture(of, function(of), camera(of), technique_id="slicing", **values)
-    rays = picture(of, function(of), camera(of), **values)
+    slices = image(of, function(of), camera(of), technique_id="slicing", **values)
+    rays = image(of, function(of), camera(of), **values)
     assert psnr(slices, rays) >= 38
 
 
 def test_the_polygons_can_be_shown_alone_and_over_the_picture() -> None:
     of = volume()
-    image, wireframe, both = (
-        picture(of, function(of), camera(of), technique_id="slicing", slices=12, display=display)
+    plain, wireframe, both = (
+        image(of, function(of), camera(of), technique_id="slicing", slices=12, display=display)
         for display in ("image", "wireframe", "both")
     )
     lines = wireframe[..., 3] > 0.05
     assert 0.02 < lines.mean() < 0.6
-    assert np.abs(both - image)[lines].max() > 0.1
-    assert np.abs(both - image)[~lines].max() < 1e-3
+    assert np.abs(both - plain)[lines].max() > 0.1
+    assert np.abs(both - plain)[~lines].max() < 1e-3
 
 
 def test_shading_agrees_with_the_oracle() -> None:
     of = volume(np.float32)
     values = {"step": 0.25, "shading": True}
-    slices = picture(of, function(of), camera(of), technique_id="slicing", **values)
+    slices = image(of, function(of), camera(of), technique_id="slicing", **values)
     assert psnr(slices, oracle(of, function(of), camera(of), **values)) >= 40

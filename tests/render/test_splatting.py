@@ -11,22 +11,12 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import (
-    LEFT_HANDED,
-    OBLIQUE,
-    blobs,
-    camera,
-    function,
-    inside,
-    matrices,
-    picture,
-    volume,
-)
+from tests.render.scenes import LEFT_HANDED, OBLIQUE, blobs, camera, function, image, inside, matrices, volume
+from volviz.custom_gl.offscreen import apply_camera
 from volviz.custom_gl.techniques.splatting import store as store_module
 from volviz.custom_gl.techniques.splatting.order import back_to_front
-from volviz.custom_gl.techniques.splatting.store import SplatStore, Wanted
+from volviz.custom_gl.techniques.splatting.store import SplatRequest, SplatStore
 from volviz.kernels.splats import select_splats
-from volviz.offscreen import apply_camera
 from volviz.tasks import Tasks
 
 if TYPE_CHECKING:
@@ -49,7 +39,7 @@ def painted(
     clip_planes: Any = (),
     light: Any = None,
 ) -> npt.NDArray[np.float64]:
-    """The picture of opaque discs, painted one after the other in float64; premultiplied, (H, W, 4)."""
+    """The image of opaque discs, painted one after the other in float64; premultiplied, (H, W, 4)."""
     splats = select_splats(
         of.array, isovalue, spacing=of.spacing, direction=of.direction, splats_per_axis=splats_per_axis,
         cull_interior=False, lowest=of.range[0],
@@ -110,9 +100,7 @@ def assert_like_the_painter(of: volviz.Volume, view: volviz.Camera, **values: An
     light = values.pop("light", None)
     if light is not None:
         values["light_position"] = light
-    ours = picture(
-        of, function(of, POINTS), view, technique_id="splatting", **({"blur_radius": 0.0} | values)
-    )
+    ours = image(of, function(of, POINTS), view, technique_id="splatting", **({"blur_radius": 0.0} | values))
     assert exact[..., 3].mean() > 0.05, "the scene is empty and proves nothing"
     wrong = np.abs(ours - exact).max(axis=-1) > 2 / 255
     # a pixel whose centre lies on the edge of a disc by rounding may fall to either side
@@ -149,7 +137,7 @@ def test_direction_and_origin_place_splats_and_normals(direction: Any) -> None:
 
 
 def blurred(image: npt.NDArray[np.float64], sigma: float) -> npt.NDArray[np.float64]:
-    """A Gaussian cut at three standard deviations; what lies beyond the picture does not count."""
+    """A Gaussian cut at three standard deviations; what lies beyond the image does not count."""
     taps = np.arange(-int(np.ceil(3 * sigma)), int(np.ceil(3 * sigma)) + 1)
     kernel = np.exp(-(taps**2) / (2 * sigma**2))
     for axis in (0, 1):
@@ -162,8 +150,8 @@ def blurred(image: npt.NDArray[np.float64], sigma: float) -> npt.NDArray[np.floa
 def test_the_blur_is_a_separable_gaussian_of_premultiplied_colours(sigma: float) -> None:
     of = volume()
     values = {"isovalue": 120.0, "technique_id": "splatting"}
-    sharp = picture(of, function(of, POINTS), camera(of), blur_radius=0.0, **values)
-    ours = picture(of, function(of, POINTS), camera(of), blur_radius=sigma, **values)
+    sharp = image(of, function(of, POINTS), camera(of), blur_radius=0.0, **values)
+    ours = image(of, function(of, POINTS), camera(of), blur_radius=sigma, **values)
     assert 0.05 < sharp[..., 3].mean() < 0.95
     assert np.abs(ours - blurred(sharp, sigma)).max() < 1e-4
 
@@ -188,7 +176,7 @@ def test_crop_box_and_clip_planes_lay_bare_what_was_hidden() -> None:
 
 def test_the_classic_splats_are_light_red() -> None:
     of = volume()
-    ours = picture(of, function(of), camera(of), technique_id="splatting", classic=True, size=(96, 96))
+    ours = image(of, function(of), camera(of), technique_id="splatting", classic=True, size=(96, 96))
     solid = ours[ours[..., 3] > 0.99]
     assert len(solid) > 100
     red, green, blue = solid[:, :3].mean(axis=0)
@@ -199,14 +187,14 @@ def test_the_classic_splats_are_light_red() -> None:
 def test_the_display_of_splats_leaves_the_blur_out() -> None:
     of = volume()
     values = {"technique_id": "splatting", "isovalue": 120.0}
-    shown = picture(of, function(of), camera(of), display="splats", blur_radius=3.0, **values)
-    sharp = picture(of, function(of), camera(of), blur_radius=0.0, **values)
+    shown = image(of, function(of), camera(of), display="splats", blur_radius=3.0, **values)
+    sharp = image(of, function(of), camera(of), blur_radius=0.0, **values)
     assert np.array_equal(shown, sharp)
 
 
 def test_an_isovalue_above_everything_draws_nothing() -> None:
     of = volume()
-    assert not picture(of, function(of), camera(of), technique_id="splatting", isovalue=255.0).any()
+    assert not image(of, function(of), camera(of), technique_id="splatting", isovalue=255.0).any()
 
 
 # ------------------------------------------------------------ Gaussians
@@ -227,7 +215,7 @@ def test_gaussians_of_a_homogeneous_cube_add_up_to_beer_lambert(
     transfer = volviz.TransferFunction.from_points([(0, (1, 1, 1, opacity)), (255, (1, 1, 1, opacity))])
     x, y, z = of.center
     view = volviz.Camera((x, y - 100, z), of.center, (0, 0, 1), parallel=True, parallel_scale=5.0)
-    ours = picture(
+    ours = image(
         of, transfer, view, technique_id="splatting", footprint="gaussian", isovalue=100.0, shading=False,
         opacity_unit_distance=1.0, splat_size=splat_size, splats_per_axis=splats_per_axis,
     )  # fmt: skip
@@ -251,7 +239,7 @@ def test_nearer_gaussians_are_painted_over_farther_ones_from_every_side() -> Non
     for parallel in (False, True):
         for sign, front in ((-1, 0), (1, 1)):
             view = volviz.Camera((10 + sign * 80, 14, 7), (10, 10, 10), (0, 0, 1), parallel=parallel)
-            middle = picture(
+            middle = image(
                 of,
                 transfer,
                 view,
@@ -268,7 +256,7 @@ def test_gaussians_look_like_the_ray_caster_on_smooth_data() -> None:
     of = volume(np.float32)
     points = [(0.0, (0.1, 0.3, 1.0, 0.0)), (0.2, (0.1, 0.3, 1.0, 0.0)), (1.0, (1.0, 0.4, 0.1, 0.15))]
     view = camera(of)
-    splatted = picture(
+    splatted = image(
         of,
         function(of, points),
         view,
@@ -277,7 +265,7 @@ def test_gaussians_look_like_the_ray_caster_on_smooth_data() -> None:
         isovalue=0.2,
         shading=False,
     )
-    cast = picture(of, function(of, points), view, early_termination=1.0)
+    cast = image(of, function(of, points), view, early_termination=1.0)
     assert np.abs(splatted - cast).mean() < 3 / 255
 
 
@@ -320,14 +308,14 @@ def test_quads_draw_the_same_picture_as_points() -> None:
         plotter, handle = window_with(of, view, isovalue=120.0, footprint=footprint)
         try:
             gpu = handle._gpu.gpu
-            points = handle.read_picture()
+            points = handle.read_image()
             assert not handle._runner.technique._layout.quads
             gpu.limits = dataclasses.replace(gpu.limits, max_point_size=1.0)
             handle.update(splat_size=1.5)
             plotter.render()
             handle.raise_error()
             assert handle._runner.technique._layout.quads
-            quads = handle.read_picture()
+            quads = handle.read_image()
         finally:
             handle.remove()
             plotter.close()
@@ -338,16 +326,16 @@ def test_splats_whose_centre_is_outside_the_window_do_not_vanish() -> None:
     of = volume()
     whole = camera(of)
     values = {"technique_id": "splatting", "isovalue": 90.0, "blur_radius": 0.0, "splats_per_axis": 9}
-    large = picture(of, function(of), whole, size=(192, 192), **values)
+    large = image(of, function(of), whole, size=(192, 192), **values)
     near = dataclasses.replace(whole, view_angle=float(np.degrees(2 * np.arctan(np.tan(np.radians(15)) / 3))))
-    middle = picture(of, function(of), near, size=(64, 64), **values)
+    middle = image(of, function(of), near, size=(64, 64), **values)
     difference = np.abs(large[64:128, 64:128] - middle).max(axis=-1)
     assert (difference > 2 / 255).mean() < 0.01
 
 
 def test_a_camera_among_the_splats_sees_them_in_every_direction() -> None:
     of = volviz.Volume(255 - blobs((30, 30, 30)))
-    ours = picture(of, function(of), inside(of), technique_id="splatting", isovalue=200.0)
+    ours = image(of, function(of), inside(of), technique_id="splatting", isovalue=200.0)
     assert ours[..., 3].mean() > 0.9
 
 
@@ -360,17 +348,17 @@ def test_splats_and_opaque_meshes_hide_one_another() -> None:
         plotter, handle = window_with(of, view, isovalue=0.5, footprint=footprint, opacity_unit_distance=6.0)
         try:
             mesh = pyvista.Plane(center=(15, 15, 15), direction=(0, 1, 0), i_size=60, j_size=60)
-            before = handle.read_picture()
+            before = handle.read_image()
             actor = plotter.add_mesh(mesh.translate((0, 2, 0)), color="red", lighting=False)
             plotter.render()
             handle.raise_error()
             # the plane cuts the ball behind its front: discs hide it, Gaussians do not
-            through_the_middle = handle.read_picture()
+            through_the_middle = handle.read_image()
             plotter.remove_actor(actor, render=False)
             actor = plotter.add_mesh(mesh.translate((0, -14, 0)), color="red", lighting=False)
             plotter.render()
             handle.raise_error()
-            hidden = handle.read_picture()
+            hidden = handle.read_image()
             plotter.remove_actor(actor, render=False)
         finally:
             handle.remove()
@@ -390,7 +378,7 @@ def test_the_depth_of_splats_is_written_for_others() -> None:
     view = volviz.Camera((15, -70, 15), (15, 15, 15), (0, 0, 1))
     plotter, handle = window_with(of, view, isovalue=0.5)
     try:
-        target = handle._picture.target
+        target = handle._image.target
         plotter.render_window.MakeCurrent()
         with handle._gpu.foreign():
             depth = np.frombuffer(target.depth.read(), np.float32).reshape(96, 96)
@@ -430,19 +418,19 @@ def test_cheap_settings_and_camera_moves_compile_and_upload_nothing() -> None:
 
 def test_a_moving_picture_does_not_wait_for_a_new_selection(monkeypatch: pytest.MonkeyPatch) -> None:
     of, tasks = volume(), Tasks()
-    first, second = (Wanted(of, isovalue, None, True, None) for isovalue in (100.0, 150.0))
+    first, second = (SplatRequest(of, isovalue, None, True, None) for isovalue in (100.0, 150.0))
     store = SplatStore("splats")
     assert store.get(tasks, first, may_follow=True) is None
     assert tasks.wait(20)
     old = store.get(tasks, first, may_follow=True)
     assert old is not None
-    assert old.wanted is first
+    assert old.request is first
     may_go_on = threading.Event()
     select = store_module.pack
 
-    def slow(wanted: Wanted) -> Any:
+    def slow(request: SplatRequest) -> Any:
         assert may_go_on.wait(10)
-        return select(wanted)
+        return select(request)
 
     monkeypatch.setattr(store_module, "pack", slow)
     assert store.get(tasks, second, may_follow=True) is old
@@ -450,14 +438,14 @@ def test_a_moving_picture_does_not_wait_for_a_new_selection(monkeypatch: pytest.
     may_go_on.set()
     assert tasks.wait(20)
     new = store.get(tasks, second, may_follow=True)
-    assert new.wanted.isovalue == 150.0
+    assert new.request.isovalue == 150.0
     assert 0 < len(new.packed) < len(old.packed)
     store.clear()
 
 
 def test_what_goes_wrong_in_the_background_is_raised_where_it_is_asked_for() -> None:
     tasks, store = Tasks(), SplatStore("splats")
-    wrong = Wanted(volume(), float("nan"), None, True, None)
+    wrong = SplatRequest(volume(), float("nan"), None, True, None)
     store.get(tasks, wrong, may_follow=True)
     assert tasks.wait(20)
     with pytest.raises(volviz.VolvizError, match="isovalue"):
@@ -466,8 +454,11 @@ def test_what_goes_wrong_in_the_background_is_raised_where_it_is_asked_for() -> 
 
 def test_another_volume_is_waited_for() -> None:
     tasks, store = Tasks(), SplatStore("splats")
-    wanted = Wanted(volume(), 100.0, None, True, None), Wanted(volume(np.float32), 0.5, None, True, None)
-    for each in wanted:
+    request = (
+        SplatRequest(volume(), 100.0, None, True, None),
+        SplatRequest(volume(np.float32), 0.5, None, True, None),
+    )
+    for each in request:
         assert store.get(tasks, each, may_follow=True) is None
         assert tasks.wait(20)
-        assert store.get(tasks, each, may_follow=True).wanted.volume is each.volume
+        assert store.get(tasks, each, may_follow=True).request.volume is each.volume

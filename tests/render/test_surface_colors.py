@@ -14,9 +14,9 @@ from tests.render.test_marching_interaction import SlowExtraction, complete
 from volviz.compare.distance_colors import distance_colors, distance_table
 from volviz.compare.distance_map import distance_maps
 from volviz.compare.meshes import side_mesh
-from volviz.custom_gl.host.pacing import FULL
 from volviz.custom_gl.mesh_drawing import technique as mesh_technique
-from volviz.custom_gl.vtk_props import surfaces
+from volviz.custom_gl.vtk.frame_scheduling import FULL
+from volviz.custom_gl.vtk_props import mesh_props
 from volviz.errors import InputError
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
 
@@ -39,10 +39,10 @@ def shown(of: volviz.Volume, technique: str, pacer: Any = None) -> Any:
     return scenes.shown(of, technique, SIZE, pacer=pacer, **own)
 
 
-def picture(window: Any, handle: Any) -> Any:
+def image(window: Any, handle: Any) -> Any:
     window.render()
     handle.raise_error()
-    return handle.read_picture()
+    return handle.read_image()
 
 
 def values_along_x(of: volviz.Volume, technique: str, isovalue: float = 12.03) -> SurfaceValues:
@@ -75,9 +75,9 @@ def test_the_colour_of_every_pixel_is_that_of_its_place(
     of = volviz.Volume(ball.array, spacing=ball.spacing, origin=(40.0, -7.0, 3.0), direction=direction)
     low, high = of.bounds[:2]
     with shown(of, technique) as (window, handle):
-        plain = picture(window, handle)
+        plain = image(window, handle)
         handle.color_surface(along_x(of, technique))
-        found = picture(window, handle)
+        found = image(window, handle)
         assert np.array_equal(found[..., 3] > 0, plain[..., 3] > 0)
         places = [
             ((row, column), handle.pick(column, row).position[0])
@@ -86,7 +86,7 @@ def test_the_colour_of_every_pixel_is_that_of_its_place(
             if found[row, column, 3] == 1 and handle.pick(column, row) is not None
         ]
         handle.color_surface(None)
-        assert np.array_equal(picture(window, handle), plain)
+        assert np.array_equal(image(window, handle), plain)
     assert len(places) > 20
     pixels = np.array([found[place] for place, _ in places])
     expected = np.array([(x - low) / (high - low) for _, x in places])
@@ -94,12 +94,12 @@ def test_the_colour_of_every_pixel_is_that_of_its_place(
 
 
 def test_ours_and_vtks_colours_look_alike(ball: volviz.Volume) -> None:
-    pictures = []
+    images = []
     for technique in ("marching_cubes", "vtk_marching_cubes"):
         with shown(ball, technique) as (window, handle):
             handle.color_surface(along_x(ball, technique))
-            pictures.append(picture(window, handle))
-    assert psnr(*pictures) > 40
+            images.append(image(window, handle))
+    assert psnr(*images) > 40
 
 
 @pytest.mark.parametrize("technique", COLORED)
@@ -109,7 +109,7 @@ def test_a_value_at_the_middles_of_triangles_is_seen(ball: volviz.Volume, techni
     spots = SurfaceValues(values.vertices, values.faces, nothing, ones)
     with shown(ball, technique) as (window, handle):
         handle.color_surface(SurfaceColors(spots, 0.0, 1.0, BLUE_RED))
-        found = picture(window, handle)
+        found = image(window, handle)
     share = redness(found[found[..., 3] == 1])
     # linear from 0 at the corners to 1 in the middle: a third over the area
     assert share.mean() == pytest.approx(1 / 3, abs=0.03)
@@ -121,7 +121,7 @@ def test_colours_end_with_their_surface_and_stay_with_its_look(ball: volviz.Volu
     colors = along_x(ball, technique)
     with shown(ball, technique) as (window, handle):
         handle.color_surface(colors)
-        red = picture(window, handle)
+        red = image(window, handle)
         for changes in (
             {"color": (0.0, 1.0, 0.0)},
             {"crop": (2, 20, 0, 22, 0, 20)},
@@ -132,9 +132,9 @@ def test_colours_end_with_their_surface_and_stay_with_its_look(ball: volviz.Volu
         handle.update(isovalue=12.5)
         assert handle.surface_colors is None
         handle.update(isovalue=12.03, crop=None, headlight=True)
-        assert not np.allclose(picture(window, handle), red, atol=0.1)
+        assert not np.allclose(image(window, handle), red, atol=0.1)
         handle.color_surface(colors)
-        assert np.allclose(picture(window, handle), red, atol=1e-6)
+        assert np.allclose(image(window, handle), red, atol=1e-6)
         handle.update(volume=volviz.Volume(ball.array + np.float32(0.5), spacing=ball.spacing))
         assert handle.surface_colors is None
         handle.update(volume=ball)
@@ -147,13 +147,13 @@ def test_colours_end_with_their_surface_and_stay_with_its_look(ball: volviz.Volu
 def test_a_mesh_that_vtk_has_cut_keeps_the_colours_of_its_places(ball: volviz.Volume, technique: str) -> None:
     x, y, z = ball.center
     cuts = {"crop": (3, 21, 2, 20, 2, 18), "clip_planes": (((x, y, z), (0.6, 0.0, 0.8)),)}
-    pictures = []
+    images = []
     for each in ("marching_cubes", technique):
         with shown(ball, each) as (window, handle):
             handle.update(**cuts)
             handle.color_surface(along_x(ball, each))
-            pictures.append(picture(window, handle))
-    ours, theirs = pictures
+            images.append(image(window, handle))
+    ours, theirs = images
     both = (ours[..., 3] == 1) & (theirs[..., 3] == 1)
     assert both.sum() > 300
     assert np.median(np.abs(ours - theirs)[both]) < 0.01
@@ -179,18 +179,18 @@ def test_no_colours_are_seen_while_another_surface_is_extracted(
 def test_what_draws_no_triangles_refuses_colours(ball: volviz.Volume) -> None:
     colors = along_x(ball, "marching_cubes")
     with shown(ball, "raycast") as (window, handle):
-        before = picture(window, handle)
+        before = image(window, handle)
         with pytest.raises(InputError, match="raycast draws no mesh"):
             handle.color_surface(colors)
-        assert np.array_equal(picture(window, handle), before)
+        assert np.array_equal(image(window, handle), before)
 
 
 @pytest.mark.parametrize("technique", COLORED)
 def test_a_stand_in_is_coloured_while_the_camera_turns(
     ball: volviz.Volume, technique: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mesh_technique, "STAND_IN_TRIANGLES", 600)
-    monkeypatch.setattr(surfaces, "MOVING_TRIANGLES", 600)
+    monkeypatch.setattr(mesh_technique, "LOD_MESH_TRIANGLES", 600)
+    monkeypatch.setattr(mesh_props, "MOVING_TRIANGLES", 600)
     with shown(ball, technique, Requests()) as (window, handle):
         handle.color_surface(along_x(ball, technique))
         full = complete(window, handle)
@@ -203,8 +203,8 @@ def test_a_stand_in_is_coloured_while_the_camera_turns(
             if not handle.status.complete and handle.status.waiting in (None, 1.0):
                 break
         assert not handle.status.complete
-        moving = handle._picture.target.color.read()
-        width, height = handle._picture.target.size
+        moving = handle._image.target.color.read()
+        width, height = handle._image.target.size
         pixels = np.frombuffer(moving, np.float32).reshape(height, width, 4)
         seen = pixels[pixels[..., 3] == 1]
         assert len(seen) > 15
@@ -229,7 +229,7 @@ def test_equal_surfaces_are_pale_and_said_to_be_the_same(ball: volviz.Volume) ->
     assert colors.are_same
     with shown(ball, "marching_cubes") as (window, handle):
         handle.color_surface(colors.first)
-        found = picture(window, handle)
+        found = image(window, handle)
     seen = found[found[..., 3] == 1]
     assert np.abs(seen[:, 0] - seen[:, 2]).max() < 0.02
 

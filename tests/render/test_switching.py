@@ -12,8 +12,8 @@ import pytest
 
 import volviz
 from tests.render.scenes import Requests, camera, function, volume
-from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.offscreen import apply_camera
+from volviz.custom_gl.offscreen import apply_camera
+from volviz.custom_gl.vtk.vtk_imports import pyvista
 
 ROUNDS = 6
 
@@ -60,9 +60,9 @@ def test_going_through_all_techniques_again_and_again_leaves_no_object(moving: b
         apply_camera(window.camera, camera(of))
         window.reset_camera_clipping_range()
         window.show(auto_close=False, interactive=False)
-        handle.show_handles()
+        handle.show_manipulators()
         if moving:
-            handle.pacer = Requests()
+            handle.scheduler = Requests()
         ids = [name for name, info in volviz.techniques().items() if info.kind == "image"]
         seen = []
         for turn in range(ROUNDS):

@@ -1,4 +1,4 @@
-"""Two-pass ray casting: the picture of single-pass ray casting, and what the first pass holds."""
+"""Two-pass ray casting: the image of single-pass ray casting, and what the first pass holds."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from tests.render.scenes import (
     SIZE,
     camera,
     function,
+    image,
     inside,
     matrices,
     oracle,
-    picture,
     volume,
 )
-from volviz.custom_gl.host.vtk_border import pyvista
-from volviz.kernels.reference_rays import volume_rays
-from volviz.offscreen import apply_camera
+from volviz.custom_gl.offscreen import apply_camera
+from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.reference.rays import volume_rays
 
 TWO_PASS = "two_pass_raycast"
 MODES = ("composite", "maximum", "minimum", "average", "additive", "attenuated_maximum")
@@ -34,9 +34,9 @@ BOTH_ORDERS = pytest.mark.parametrize("reverse", [False, True], ids=["exits firs
 
 def assert_like_raycast(of: volviz.Volume, view: volviz.Camera, points: Any = None, **values: Any) -> None:
     transfer = function(of, points)
-    two_pass = picture(of, transfer, view, technique_id=TWO_PASS, **values)
+    two_pass = image(of, transfer, view, technique_id=TWO_PASS, **values)
     values.pop("reverse", None)
-    single = picture(of, transfer, view, **values)
+    single = image(of, transfer, view, **values)
     assert single[..., 3].max() > 0.1, "the scene is empty and proves nothing"
     assert np.abs(two_pass - single).max() <= MAX_ERROR
 
@@ -59,7 +59,7 @@ def test_every_mode_is_that_of_ray_casting(mode: str, reverse: bool) -> None:
 
 def test_the_oracle_draws_the_same() -> None:
     of = volume(np.int16, spacing=(0.9, 1.1, 1.4))
-    ours = picture(of, function(of), camera(of), technique_id=TWO_PASS)
+    ours = image(of, function(of), camera(of), technique_id=TWO_PASS)
     exact = oracle(of, function(of), camera(of), technique_id=TWO_PASS)
     assert np.abs(ours - exact).max() <= MAX_ERROR
     assert np.abs(ours - exact).mean() <= MEAN_ERROR
@@ -112,8 +112,8 @@ def test_every_way_of_sampling_is_that_of_ray_casting(values: dict[str, Any], re
     of = volume(np.float32)
     if values.get("interpolation") == "nearest":
         # samples on the border of two voxels may fall on either side
-        ours = picture(of, function(of), camera(of), technique_id=TWO_PASS, reverse=reverse, **values)
-        single = picture(of, function(of), camera(of), **values)
+        ours = image(of, function(of), camera(of), technique_id=TWO_PASS, reverse=reverse, **values)
+        single = image(of, function(of), camera(of), **values)
         assert np.abs(ours - single).mean() <= 0.1 * MEAN_ERROR
     else:
         assert_like_raycast(of, camera(of), reverse=reverse, **values)
@@ -155,7 +155,7 @@ def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray(step: float) -> 
     of = volviz.Volume(np.full((20, 24, 28), 7, np.uint8), spacing=(1.0, 1.3, 0.8))
     transfer = volviz.TransferFunction.from_points([(0, (1, 1, 1, 0.04)), (9, (1, 1, 1, 0.04))])
     values = {"step": step, "early_termination": 1.0, "opacity_unit_distance": 1.0}
-    ours = picture(of, transfer, camera(of), technique_id=TWO_PASS, **values)[..., 3]
+    ours = image(of, transfer, camera(of), technique_id=TWO_PASS, **values)[..., 3]
     exact = oracle(of, transfer, camera(of), **values)[..., 3]
     assert exact.max() > 0.5
     # in the pixels along the silhouette the rasteriser decides whether a ray of next to no length is there
@@ -167,7 +167,7 @@ def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray(step: float) -> 
 @BOTH_ORDERS
 def test_the_displays_show_where_rays_enter_and_leave(display: str, direction: Any, reverse: bool) -> None:
     of = volume(spacing=(0.9, 1.1, 1.4), direction=direction)
-    shown = picture(of, function(of), camera(of), technique_id=TWO_PASS, display=display, reverse=reverse)
+    shown = image(of, function(of), camera(of), technique_id=TWO_PASS, display=display, reverse=reverse)
     view, projection = matrices(of, camera(of), SIZE)
     rays = volume_rays(of.array.shape, of.index_to_world, view=view, projection=projection, size=SIZE)
     hit = rays.exits > rays.entries
@@ -185,7 +185,7 @@ def test_the_displays_show_where_rays_enter_and_leave(display: str, direction: A
 
 def test_from_inside_the_entry_points_lie_on_the_near_plane() -> None:
     of = volume()
-    shown = picture(of, function(of), inside(of), technique_id=TWO_PASS, display="entry")
+    shown = image(of, function(of), inside(of), technique_id=TWO_PASS, display="entry")
     assert np.all(shown[..., 3] == 1)
     world = (shown[..., :3] * of.dimensions - 0.5) @ of.index_to_world[:3, :3].T + of.index_to_world[:3, 3]
     distance = np.linalg.norm(world - np.array(of.center), axis=-1)
@@ -195,13 +195,11 @@ def test_from_inside_the_entry_points_lie_on_the_near_plane() -> None:
 def test_half_float_positions_are_coarser_and_nothing_else() -> None:
     of = volume()
     view = camera(of)
-    exact = picture(of, function(of), view, technique_id=TWO_PASS, display="exit")
-    coarse = picture(of, function(of), view, technique_id=TWO_PASS, display="exit", half_float=True)
+    exact = image(of, function(of), view, technique_id=TWO_PASS, display="exit")
+    coarse = image(of, function(of), view, technique_id=TWO_PASS, display="exit", half_float=True)
     error = np.abs(exact - coarse).max()
     assert 1e-5 < error <= 1 / 2048
-    images = [
-        picture(of, function(of), view, technique_id=TWO_PASS, half_float=half) for half in (False, True)
-    ]
+    images = [image(of, function(of), view, technique_id=TWO_PASS, half_float=half) for half in (False, True)]
     assert np.abs(images[0] - images[1]).max() > 0
     assert np.abs(images[0] - images[1]).mean() < MEAN_ERROR
 
@@ -217,10 +215,10 @@ def test_the_first_pass_follows_the_size_of_the_window() -> None:
     window.window_size = (90, 50)
     window.render()
     handle.raise_error()
-    resized = handle.read_picture()
+    resized = handle.read_image()
     handle.remove()
     window.close()
-    exact = picture(of, function(of), camera(of), size=(90, 50))
+    exact = image(of, function(of), camera(of), size=(90, 50))
     assert resized.shape == (50, 90, 4)
     assert np.abs(resized - exact).max() <= MAX_ERROR
 
@@ -241,6 +239,6 @@ def test_its_targets_go_when_another_technique_takes_over() -> None:
 
 def test_the_classic_look_is_close_to_the_picture_of_today() -> None:
     of = volume()
-    today = picture(of, function(of), camera(of), technique_id=TWO_PASS)
-    classic = picture(of, function(of), camera(of), technique_id=TWO_PASS, classic=True)
+    today = image(of, function(of), camera(of), technique_id=TWO_PASS)
+    classic = image(of, function(of), camera(of), technique_id=TWO_PASS, classic=True)
     assert 0 < np.abs(today - classic).mean() < 4 / 255

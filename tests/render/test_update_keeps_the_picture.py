@@ -1,4 +1,4 @@
-"""A handle that is told nothing new keeps the finished picture."""
+"""A handle that is told nothing new keeps the finished image."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pyvista
 
 import volviz
 from tests.render.scenes import camera, function, volume
-from volviz.offscreen import apply_camera
+from volviz.custom_gl.offscreen import apply_camera
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def shown() -> Iterator[tuple[Any, volviz.VolumeHandle]]:
 
 def test_nothing_new_keeps_the_picture() -> None:
     with shown() as (window, handle):
-        before, statuses = handle.read_picture(), []
+        before, statuses = handle.read_image(), []
         handle.on_status.append(statuses.append)
         equal = volviz.TransferFunction.from_dict(handle.transfer_function.to_dict())
         for nothing in (
@@ -43,10 +43,10 @@ def test_nothing_new_keeps_the_picture() -> None:
             {"quality": "fast"},
         ):
             handle.update(**nothing)
-            np.testing.assert_array_equal(handle.read_picture(), before, err_msg=str(nothing))
+            np.testing.assert_array_equal(handle.read_image(), before, err_msg=str(nothing))
             window.render()
         handle.show(handle.spec)
-        np.testing.assert_array_equal(handle.read_picture(), before)
+        np.testing.assert_array_equal(handle.read_image(), before)
         assert statuses == []
 
 
@@ -54,16 +54,16 @@ def test_something_new_or_invalid_draws_anew() -> None:
     with shown() as (window, handle):
         statuses: list[Any] = []
         handle.on_status.append(statuses.append)
-        before = handle.read_picture()
+        before = handle.read_image()
         handle.update(step=1.4)
         window.render()
         assert len(statuses) == 1
-        assert np.abs(handle.read_picture() - before).max() > 0
+        assert np.abs(handle.read_image() - before).max() > 0
         handle.update(step=0.7)
         handle.invalidate()
         window.render()
         assert len(statuses) == 2
-        np.testing.assert_array_equal(handle.read_picture(), before)
+        np.testing.assert_array_equal(handle.read_image(), before)
         handle.invalidate()
         window.render()
         assert len(statuses) == 3
@@ -71,7 +71,7 @@ def test_something_new_or_invalid_draws_anew() -> None:
 
 def test_the_same_once_more_after_a_failure_tries_again() -> None:
     with shown() as (window, handle):
-        before = handle.read_picture()
+        before = handle.read_image()
         handle.invalidate()
         handle.error = RuntimeError("the driver was busy")
         window.render()
@@ -79,4 +79,4 @@ def test_the_same_once_more_after_a_failure_tries_again() -> None:
         handle.update()
         assert handle.error is None
         window.render()
-        np.testing.assert_array_equal(handle.read_picture(), before)
+        np.testing.assert_array_equal(handle.read_image(), before)

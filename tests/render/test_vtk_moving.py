@@ -10,16 +10,16 @@ import pyvista
 
 import volviz
 from tests.render.scenes import Requests, blobs, camera, function, psnr, volume
-from volviz.custom_gl.host.pacing import FULL
+from volviz.custom_gl.offscreen import apply_camera
 from volviz.custom_gl.techniques.vtk_point_gaussian import technique as points
-from volviz.custom_gl.vtk_props import surfaces
-from volviz.offscreen import apply_camera
+from volviz.custom_gl.vtk.frame_scheduling import FULL
+from volviz.custom_gl.vtk_props import mesh_props
 
 SIZE = (96, 80)
 
 
 def shown(technique: str, of: volviz.Volume, **values: Any) -> tuple[Any, Any]:
-    """A plotter with a volume and a pacer, complete."""
+    """A plotter with a volume and a frame scheduler, complete."""
     plotter = pyvista.Plotter(off_screen=True, window_size=SIZE)
     plotter.render_window.SetMultiSamples(0)
     handle = volviz.add_volume(
@@ -40,9 +40,9 @@ def test_a_gesture_shows_less_and_rest_shows_all(technique: str) -> None:
     of = volume()
     plotter, handle = shown(technique, of)
     try:
-        full = handle.read_picture()
+        full = handle.read_image()
         handle.begin_interaction()
-        # as if a full picture took a second
+        # as if a full image took a second
         handle._cost.observe(FULL, 1.0)
         plotter.camera.Azimuth(10)
         plotter.render()
@@ -54,18 +54,18 @@ def test_a_gesture_shows_less_and_rest_shows_all(technique: str) -> None:
         while not handle.refine(budget=0.05):
             pass
         assert handle.status.complete
-        assert np.abs(handle.read_picture() - full).max() <= 1 / 255
+        assert np.abs(handle.read_image() - full).max() <= 1 / 255
     finally:
         plotter.close()
 
 
 def test_a_mesh_of_many_triangles_moves_as_a_coarser_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(surfaces, "MOVING_TRIANGLES", 800)
-    monkeypatch.setattr(surfaces, "MOVING_TRIANGLES_HARDWARE", 800)
+    monkeypatch.setattr(mesh_props, "MOVING_TRIANGLES", 800)
+    monkeypatch.setattr(mesh_props, "MOVING_TRIANGLES_HARDWARE", 800)
     of = volviz.Volume(blobs())
     plotter, handle = shown("vtk_flying_edges", of, specular=0.0)
     try:
-        full = handle.read_picture()
+        full = handle.read_image()
         prop = handle._runner.technique._technique
         many = prop.mapper.GetInput().GetNumberOfCells()
         assert many > 1600
@@ -81,7 +81,7 @@ def test_a_mesh_of_many_triangles_moves_as_a_coarser_one(monkeypatch: pytest.Mon
         while not handle.refine(budget=0.05):
             pass
         assert prop.mapper.GetInput().GetNumberOfCells() == many
-        assert np.abs(handle.read_picture() - full).max() <= 1 / 255
+        assert np.abs(handle.read_image() - full).max() <= 1 / 255
     finally:
         plotter.close()
 
@@ -92,7 +92,7 @@ def test_fewer_and_larger_splats_move(monkeypatch: pytest.MonkeyPatch) -> None:
     of = volume()
     plotter, handle = shown("vtk_point_gaussian", of)
     try:
-        full = handle.read_picture()
+        full = handle.read_image()
         prop = handle._runner.technique._technique
         handle.begin_interaction()
         handle._cost.observe(FULL, 1.0)
@@ -104,6 +104,6 @@ def test_fewer_and_larger_splats_move(monkeypatch: pytest.MonkeyPatch) -> None:
         while not handle.refine(budget=0.05):
             pass
         assert prop.mapper.GetInput().GetNumberOfPoints() > 600
-        assert psnr(handle.read_picture(), full) > 60
+        assert psnr(handle.read_image(), full) > 60
     finally:
         plotter.close()

@@ -10,8 +10,8 @@ import pytest
 import pyvista
 
 import volviz
-from tests.render.scenes import LEFT_HANDED, OBLIQUE, camera, function, picture, psnr, volume
-from volviz.offscreen import apply_camera
+from tests.render.scenes import LEFT_HANDED, OBLIQUE, camera, function, image, psnr, volume
+from volviz.custom_gl.offscreen import apply_camera
 
 SIZE = (96, 80)
 GEOMETRY = {
@@ -43,8 +43,8 @@ def shift_of_the_best_match(a: Any, b: Any) -> tuple[int, int]:
 def test_vtks_ray_caster_shows_what_ours_shows(geometry: str, cut: str) -> None:
     of = volume(**GEOMETRY[geometry])
     view, transfer = camera(of), function(of)
-    theirs = picture(of, transfer, view, size=SIZE, technique_id="vtk_gpu", **CUTS[cut])
-    ours = picture(of, transfer, view, size=SIZE, first_sample=1.0, **CUTS[cut])
+    theirs = image(of, transfer, view, size=SIZE, technique_id="vtk_gpu", **CUTS[cut])
+    ours = image(of, transfer, view, size=SIZE, first_sample=1.0, **CUTS[cut])
     assert psnr(theirs, ours) > 45
     assert shift_of_the_best_match(theirs, ours) == (0, 0)
 
@@ -54,7 +54,7 @@ def test_vtk_agrees_with_a_window_of_its_own() -> None:
 
     of = volume()
     view, transfer = camera(of), function(of)
-    behind_protocol = picture(of, transfer, view, size=SIZE, technique_id="vtk_gpu")
+    behind_protocol = image(of, transfer, view, size=SIZE, technique_id="vtk_gpu")
     plotter = pyvista.Plotter(off_screen=True, window_size=SIZE)
     try:
         plotter.render_window.SetMultiSamples(0)
@@ -108,17 +108,17 @@ def test_one_handle_changes_between_ours_and_vtks_and_back() -> None:
         apply_camera(plotter.camera, camera(of))
         plotter.reset_camera_clipping_range()
         plotter.show(auto_close=False, interactive=False)
-        first = handle.read_picture()
+        first = handle.read_image()
         handle.update(technique="vtk_gpu", step=0.5)
         plotter.render()
         handle.raise_error()
-        theirs = handle.read_picture()
+        theirs = handle.read_image()
         assert handle.status.complete
         assert 45 < psnr(first, theirs) < 99
         handle.update(technique="raycast", first_sample=1.0)
         plotter.render()
         handle.raise_error()
-        np.testing.assert_array_equal(handle.read_picture(), first)
+        np.testing.assert_array_equal(handle.read_image(), first)
     finally:
         plotter.close()
 
@@ -134,8 +134,8 @@ def test_a_camera_inside_that_looks_away_from_the_middle_sees_what_ours_sees(
         (x + 1.0, y + 1.0, z), (x + 4.0, y + 8.0, z + 2.0), (0.0, 0.0, 1.0), view_angle=60.0,
         parallel=parallel, parallel_scale=8.0,
     )  # fmt: skip
-    theirs = picture(of, function(of), view, size=SIZE, technique_id=technique)
-    ours = picture(of, function(of), view, size=SIZE, first_sample=1.0)
+    theirs = image(of, function(of), view, size=SIZE, technique_id=technique)
+    ours = image(of, function(of), view, size=SIZE, first_sample=1.0)
     assert ours[..., 3].mean() > 0.05
     assert psnr(theirs, ours) > 30
 
@@ -145,7 +145,7 @@ def test_opaque_meshes_hide_vtks_volume_and_are_hidden_by_it(theirs: str, level:
     of = volume()
     transfer = function(of)
     x, y, z = of.center
-    pictures = []
+    images = []
     for technique, values in ((theirs, {}), ("raycast", {"first_sample": 1.0})):
         plotter = pyvista.Plotter(off_screen=True, window_size=SIZE)
         plotter.render_window.SetMultiSamples(0)
@@ -158,12 +158,12 @@ def test_opaque_meshes_hide_vtks_volume_and_are_hidden_by_it(theirs: str, level:
             plotter.reset_camera_clipping_range()
             plotter.show(auto_close=False, interactive=False)
             handle.raise_error()
-            pictures.append(handle.read_picture())
+            images.append(handle.read_image())
         finally:
             plotter.close()
-    free = picture(of, transfer, camera(of), size=SIZE, technique_id=theirs)
-    assert np.abs(pictures[0] - free).max() > 0.1
-    assert psnr(pictures[0], pictures[1]) > level
+    free = image(of, transfer, camera(of), size=SIZE, technique_id=theirs)
+    assert np.abs(images[0] - free).max() > 0.1
+    assert psnr(images[0], images[1]) > level
 
 
 def test_a_picture_of_twice_the_size_made_of_tiles_is_whole() -> None:
@@ -180,7 +180,7 @@ def test_a_picture_of_twice_the_size_made_of_tiles_is_whole() -> None:
     finally:
         plotter.close()
     size = (2 * SIZE[0], 2 * SIZE[1])
-    whole = picture(of, function(of), camera(of), size=size, technique_id="vtk_gpu")
+    whole = image(of, function(of), camera(of), size=size, technique_id="vtk_gpu")
     assert psnr(twice, whole[..., :3]) > 45
 
 
@@ -191,7 +191,7 @@ def test_a_jump_of_the_transfer_function_stays_a_jump() -> None:
         [(0, (0, 0, 1, 0)), (0.5, (0, 0, 1, 0)), (0.5, (1, 0, 0, 1)), (1, (1, 0, 0, 1))]
     )
     view = dataclasses.replace(volviz.Camera.fit(of.corners), parallel=True)
-    theirs = picture(of, jump, view, size=SIZE, technique_id="vtk_gpu")
+    theirs = image(of, jump, view, size=SIZE, technique_id="vtk_gpu")
     covered = theirs[SIZE[1] // 2, :, 3]
     # a red half, an empty half, and at most one pixel between
     assert ((covered > 0.01) & (covered < 0.99)).sum() <= 1
@@ -203,14 +203,14 @@ def test_values_that_are_not_finite_and_long_integers_are_drawn() -> None:
     array = volume(np.float32).array.copy()
     array[0, 0, 0], array[1, 1, 1] = np.nan, np.inf
     of = volviz.Volume(array)
-    shown = picture(of, function(of), camera(of), size=SIZE, technique_id="vtk_gpu")
+    shown = image(of, function(of), camera(of), size=SIZE, technique_id="vtk_gpu")
     plain = volume(np.float32)
-    expected = picture(plain, function(plain), camera(of), size=SIZE, technique_id="vtk_gpu")
+    expected = image(plain, function(plain), camera(of), size=SIZE, technique_id="vtk_gpu")
     assert psnr(shown, expected) > 40
     wide = volviz.Volume(volume().array.astype(np.int64))
-    shown = picture(wide, function(wide), camera(wide), size=SIZE, technique_id="vtk_gpu")
+    shown = image(wide, function(wide), camera(wide), size=SIZE, technique_id="vtk_gpu")
     bytes_ = volume()
-    expected = picture(bytes_, function(bytes_), camera(wide), size=SIZE, technique_id="vtk_gpu")
+    expected = image(bytes_, function(bytes_), camera(wide), size=SIZE, technique_id="vtk_gpu")
     assert psnr(shown, expected) > 50
 
 
@@ -228,4 +228,4 @@ def test_a_volume_that_is_too_long_for_vtks_texture_is_refused_in_words(
 
     monkeypatch.setattr(Gpu, "__init__", small)
     with pytest.raises(volviz.VolvizError, match=r"at most 32 voxels .* this volume has 35"):
-        picture(of, function(of), camera(of), size=SIZE, technique_id="vtk_gpu")
+        image(of, function(of), camera(of), size=SIZE, technique_id="vtk_gpu")

@@ -14,17 +14,17 @@ from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
-from tests.displays import NO_DISPLAY, window_can_open
 from tests.leaks import Watch
-from volviz.custom_gl.host.handle import VolumeHandle
+from tests.screens import NO_DISPLAY, window_can_open
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.vtk.handle import VolumeHandle
 from volviz.model.scene import Scene
-from volviz.model.volume import Volume
-from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.form_shelf import FormShelf
-from volviz_ui.preferences import Preferences
-from volviz_ui.theme import Theme
-from volviz_ui.views.scenery import background_picture
+from volviz.volume_data.volume import Volume
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.panels.form_cache import FormCache
+from volviz_ui.session.preferences import Preferences
+from volviz_ui.style.theme import Theme
+from volviz_ui.views.annotations import background_image
 
 #: Width and height of the window in pixels.
 WINDOW_SIZE = (1100, 760)
@@ -44,8 +44,8 @@ def theme(qapp: QApplication) -> Theme:
 
 
 @pytest.fixture(autouse=True)
-def only_the_first_picture(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The full picture is the last one, except where what follows it at rest is looked at (``accumulates``)."""
+def only_the_first_image(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The full image is the last one, except where what follows it at rest is looked at (``accumulates``)."""
     if request.node.get_closest_marker("accumulates") is None:
         monkeypatch.setattr(VolumeHandle, "accumulates", False)
 
@@ -53,7 +53,7 @@ def only_the_first_picture(request: pytest.FixtureRequest, monkeypatch: pytest.M
 @pytest.fixture(autouse=True)
 def no_forms_in_advance(monkeypatch: pytest.MonkeyPatch) -> None:
     """Forms of techniques that a test does not look at are not made."""
-    monkeypatch.setattr(FormShelf, "builds_ahead", False)
+    monkeypatch.setattr(FormCache, "builds_ahead", False)
 
 
 @pytest.fixture
@@ -131,7 +131,7 @@ def window_of_the_file(
     preferences = Preferences(QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat))
     with pytest.MonkeyPatch.context() as patch, made_window(qapp, theme, preferences) as window:
         patch.setattr(VolumeHandle, "accumulates", False)
-        patch.setattr(FormShelf, "builds_ahead", False)
+        patch.setattr(FormCache, "builds_ahead", False)
         window.open(str(save_ball(folder / "ball.npy", 200)))
         run_until(lambda: window.documents.volume is not None)
         run_until(lambda: is_complete(window))
@@ -157,8 +157,8 @@ def same_window(window_of_the_file: tuple[MainWindow, Scene]) -> MainWindow:
 
 
 @pytest.fixture
-def first_full_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No pictures that follow the full one and make it smoother: two views can be compared to the last bit."""
+def first_full_images(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No images that follow the full one and make it smoother: two views can be compared to the last bit."""
     monkeypatch.setattr(VolumeHandle, "accumulates", False)
 
 
@@ -187,21 +187,21 @@ def settle(app: QApplication) -> None:
 
 
 def is_complete(window: MainWindow) -> bool:
-    """Whether the picture of the present state is there."""
+    """Whether the image of the present state is there."""
     return window.views.is_complete
 
 
-def picture(window: MainWindow) -> np.ndarray:
+def image(window: MainWindow) -> np.ndarray:
     """The viewport as shown, shape (H, W, 3), float 0..255."""
-    image = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
-    rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())
-    return rows[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).astype(float)
+    grabbed = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+    rows = np.frombuffer(grabbed.constBits(), np.uint8).reshape(grabbed.height(), grabbed.bytesPerLine())
+    return rows[:, : 3 * grabbed.width()].reshape(grabbed.height(), grabbed.width(), 3).astype(float)
 
 
 def foreground(window: MainWindow) -> np.ndarray:
     """Pixels in which the volume stands out from the background, without the orientation marker's corner."""
-    image = picture(window)
-    seen = np.abs(image - image[:, :1]).max(axis=2) > 12
+    grabbed = image(window)
+    seen = np.abs(grabbed - grabbed[:, :1]).max(axis=2) > 12
     seen[int(0.75 * len(seen)) :, : int(0.2 * seen.shape[1])] = False
     return seen
 
@@ -252,7 +252,7 @@ def turn_wheel(
     QApplication.sendEvent(widget, event)
 
 
-def drawn_picture(scene: Scene, volume: Volume, size: tuple[int, int], *, transparent: bool) -> np.ndarray:
+def drawn_image(scene: Scene, volume: Volume, size: tuple[int, int], *, transparent: bool) -> np.ndarray:
     """What the scene shows, drawn anew.
 
     Parameters
@@ -269,7 +269,7 @@ def drawn_picture(scene: Scene, volume: Volume, size: tuple[int, int], *, transp
     """
     from volviz.renderer import render
 
-    picture = render(
+    image = render(
         volume,
         current_technique(scene).id,
         transfer_function=scene.layer.transfer_function if scene.layer else None,
@@ -281,8 +281,8 @@ def drawn_picture(scene: Scene, volume: Volume, size: tuple[int, int], *, transp
         clipping=scene.clipping,
     )
     if not transparent:
-        alpha = picture[..., 3:]
-        behind = background_picture(scene.background, size)
-        picture[..., :3] = picture[..., :3] * alpha + (1 - alpha) * behind
-        picture[..., 3] = 1.0
-    return np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8)
+        alpha = image[..., 3:]
+        behind = background_image(scene.background, size)
+        image[..., :3] = image[..., :3] * alpha + (1 - alpha) * behind
+        image[..., 3] = 1.0
+    return np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)

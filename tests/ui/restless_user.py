@@ -20,15 +20,15 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
-from tests.ui.conftest import drag, drawn_picture, save_ball, turn_wheel
-from volviz.compare.pictures import difference_image
+from tests.ui.conftest import drag, drawn_image, save_ball, turn_wheel
+from volviz.compare.image_metrics import difference_image
 from volviz.custom_gl.scene_techniques import change_setting, current_technique
 from volviz.model.light import Light
 from volviz.model.parameters import Cost
-from volviz_ui.main_window import MainWindow
-from volviz_ui.views.difference_picture import array_of
-from volviz_ui.views.pane import Pane
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.views.difference_image import array_of
 from volviz_ui.views.sides import choose_side
+from volviz_ui.views.view_widget import ViewWidget
 from volviz_ui.views.viewport import same_view
 
 LEVELS = 2
@@ -84,7 +84,7 @@ class RestlessUser:
     # ------------------------------------------------------------------ deeds
 
     def _viewport(self) -> Any:
-        seen = [p.viewport for p in self.window.views.shown_panes]
+        seen = [p.viewport for p in self.window.views.shown_view_widgets]
         return self.random.choice(seen)
 
     def _way(self, reach: int = 70) -> QPoint:
@@ -118,7 +118,7 @@ class RestlessUser:
         self.random.choice(
             [self.do_technique_by_key, self.do_count, self.do_mode, self.do_resize, self.do_close]
         )()
-        if viewport in [pane.viewport for pane in self.window.views.panes]:
+        if viewport in [view_widget.viewport for view_widget in self.window.views.view_widgets]:
             self._move(viewport, middle + QPoint(40, 10))
             QTest.mouseRelease(viewport, LEFT, Qt.KeyboardModifier.NoModifier, middle + QPoint(40, 10))
         else:
@@ -159,15 +159,15 @@ class RestlessUser:
     def do_close(self) -> None:
         if self.random.random() < 0.5:
             self._key("W", Qt.KeyboardModifier.ControlModifier)
-        elif len(self.window.views.panes) > 1:
-            pane = self.random.choice(self.window.views.shown_panes)
-            QTest.mouseClick(pane.header.close_button, LEFT)
+        elif len(self.window.views.view_widgets) > 1:
+            view_widget = self.random.choice(self.window.views.shown_view_widgets)
+            QTest.mouseClick(view_widget.header.close_button, LEFT)
 
     def do_technique_by_key(self) -> None:
         self._key(str(self.random.randint(1, 9)))
 
     def do_technique_by_header(self) -> None:
-        box = self.random.choice(self.window.views.panes).header.box
+        box = self.random.choice(self.window.views.view_widgets).header.box
         slow = ("reference",)
         index = self.random.choice([i for i in range(box.count()) if box.itemData(i) not in slow])
         box.setCurrentIndex(index)
@@ -254,7 +254,7 @@ class RestlessUser:
         dock.setFloating(not dock.isFloating())
 
     def do_show_or_hide_a_panel(self) -> None:
-        # the ray inspector marks a pixel in the pictures
+        # the ray inspector marks a pixel in the images
         docks = [dock for dock in self.window.docks.all if dock is not self.window.docks["ray"]]
         self.random.choice(docks).toggleViewAction().trigger()
 
@@ -264,7 +264,7 @@ class RestlessUser:
     def do_theme(self) -> None:
         self.window.edit_commands.set_theme(self.random.choice(["light", "dark"]))
 
-    def do_scenery_for_a_moment(self) -> None:
+    def do_annotations_for_a_moment(self) -> None:
         action = self.window.commands[
             f"view.{self.random.choice(['box', 'axes', 'marker', 'bar', 'handles'])}"
         ]
@@ -284,7 +284,9 @@ class RestlessUser:
             QTest.qWait(12)
             quiet = quiet + 1 if self._is_quiet() else 0
             if time.monotonic() > end:
-                raise Mistake(f"never at rest: {[p.display.status for p in self.window.views.shown_panes]}")
+                raise Mistake(
+                    f"never at rest: {[p.controller.status for p in self.window.views.shown_view_widgets]}"
+                )
 
     def _is_quiet(self) -> bool:
         views = self.window.views
@@ -300,45 +302,48 @@ class RestlessUser:
         if self.errors:
             raise Mistake(f"errors: {self.errors}")
         self.check_cameras()
-        drawn = [self.check_view(pane) for pane in self.window.views.shown_panes]
+        drawn = [self.check_view(view_widget) for view_widget in self.window.views.shown_view_widgets]
         self.check_screen()
         difference = self.window.views.arrangement.difference
         if difference.isVisible() and difference.comparison.map != "ssim":
             comparison = self.window.store.scene.comparison
             wanted = difference_image(
                 *drawn, kind=comparison.map, channel=comparison.channel, limit=difference.limit
-            ).picture
+            ).image
             self._same("difference", array_of(difference.image), wanted, mean=1.0)
 
     def check_cameras(self) -> None:
         """One camera, everywhere the same to the last bit."""
-        scene, panes = self.window.store.scene, self.window.views.panes
-        if len(scene.views) != len(panes):
-            raise Mistake(f"{len(panes)} panes for {len(scene.views)} views")
+        scene, view_widgets = self.window.store.scene, self.window.views.view_widgets
+        if len(scene.views) != len(view_widgets):
+            raise Mistake(f"{len(view_widgets)} panes for {len(scene.views)} views")
         cameras = {view.camera for view in scene.views}
-        if len(cameras) != 1 or len({pane.viewport.view_camera for pane in panes}) != 1:
+        if len(cameras) != 1 or len({view_widget.viewport.view_camera for view_widget in view_widgets}) != 1:
             raise Mistake(f"cameras have drifted: {cameras}")
-        seen, kept = panes[0].viewport.view_camera, scene.view.camera
+        seen, kept = view_widgets[0].viewport.view_camera, scene.view.camera
         if kept is None or not same_view(seen, kept):
             raise Mistake(f"the scene does not know the camera: {seen} seen, {kept} known")
-        sizes = {pane.viewport.pixel_size for pane in self.window.views.shown_panes}
+        sizes = {view_widget.viewport.pixel_size for view_widget in self.window.views.shown_view_widgets}
         if len(sizes) != 1:
             raise Mistake(f"views of different sizes: {sizes}")
 
-    def check_view(self, pane: Pane) -> np.ndarray:
+    def check_view(self, view_widget: ViewWidget) -> np.ndarray:
         """A view against the same drawn off-screen; gives the latter, shape (H, W, 3), uint8."""
         scene, volume = self.window.store.scene, self.window.documents.volume
         assert volume is not None
-        wanted = drawn_picture(
-            replace(scene, active=pane.view), volume, pane.viewport.pixel_size, transparent=False
+        wanted = drawn_image(
+            replace(scene, active=view_widget.view),
+            volume,
+            view_widget.viewport.pixel_size,
+            transparent=False,
         )[..., :3]
-        self._same(f"view {pane.view}", array_of(pane.viewport.grabFramebuffer()), wanted)
+        self._same(f"view {view_widget.view}", array_of(view_widget.viewport.grabFramebuffer()), wanted)
         return wanted
 
     def check_screen(self) -> None:
         """What Qt put on the screen against the framebuffers."""
         views = self.window.views
-        mode = self.window.store.scene.comparison.mode if len(views.panes) > 1 else "side_by_side"
+        mode = self.window.store.scene.comparison.mode if len(views.view_widgets) > 1 else "side_by_side"
         if mode == "blink":
             return  # it changes while one looks
         screen = array_of(self.window.grab().toImage())
@@ -359,14 +364,14 @@ class RestlessUser:
             self._same("difference on the screen", seen[:, :width], shown[:, :width])
             return
         line = views.arrangement.divider.geometry()
-        for number, pane in enumerate(views.shown_panes):
-            place = QRect(pane.viewport.mapTo(views, QPoint(0, 0)), pane.viewport.size())
-            seen, shown = on_screen(place), array_of(pane.viewport.grabFramebuffer())
+        for number, view_widget in enumerate(views.shown_view_widgets):
+            place = QRect(view_widget.viewport.mapTo(views, QPoint(0, 0)), view_widget.viewport.size())
+            seen, shown = on_screen(place), array_of(view_widget.viewport.grabFramebuffer())
             if mode == "wipe":
                 left = slice(0, ratio * line.left())
                 cut = left if number == 0 else slice(ratio * (line.right() + 1), ratio * place.width())
                 seen, shown = seen[:, cut], shown[:, cut]
-            self._same(f"view {pane.view} on the screen", seen, shown)
+            self._same(f"view {view_widget.view} on the screen", seen, shown)
 
     def _same(self, what: str, seen: np.ndarray, wanted: np.ndarray, *, mean: float | None = None) -> None:
         if seen.shape != wanted.shape:
@@ -382,7 +387,7 @@ class RestlessUser:
 
 
 def main() -> None:
-    """Work in a window of one's own; mistakes are printed and their pictures kept, then it goes on."""
+    """Work in a window of one's own; mistakes are printed and their images kept, then it goes on."""
     import tempfile
 
     from PIL import Image
@@ -391,10 +396,10 @@ def main() -> None:
     from volviz.environment import prepare
 
     prepare()
-    from volviz.custom_gl.host.handle import VolumeHandle
-    from volviz_ui.application import make_application
-    from volviz_ui.preferences import Preferences
-    from volviz_ui.theme import Theme
+    from volviz.custom_gl.vtk.handle import VolumeHandle
+    from volviz_ui.app.application import make_application
+    from volviz_ui.session.preferences import Preferences
+    from volviz_ui.style.theme import Theme
 
     steps, seed = int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 1
     VolumeHandle.accumulates = False
@@ -418,8 +423,8 @@ def main() -> None:
             print(f"step {number}: {mistake}\n    after {', '.join(user.log[-8:])}", flush=True)
             settings = [v.settings_for(v.technique, lambda: None) for v in window.store.scene.views]
             print(f"    {settings} {window.store.scene.light} {window.store.scene.clipping}", flush=True)
-            for name, picture in zip(("seen", "wanted"), getattr(user, "kept", ()), strict=False):
-                Image.fromarray(picture.astype(np.uint8)).save(folder / f"{number}-{name}.png")
+            for name, image in zip(("seen", "wanted"), getattr(user, "kept", ()), strict=False):
+                Image.fromarray(image.astype(np.uint8)).save(folder / f"{number}-{name}.png")
             user.errors.clear()
             for box in window.findChildren(QMessageBox):
                 box.close()

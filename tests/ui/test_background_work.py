@@ -14,9 +14,9 @@ from tests.waiting import refuse_to_wait
 from volviz.custom_gl.scene_techniques import current_settings
 from volviz.model.store import Store
 from volviz.tasks import THREAD_NAME
-from volviz_ui.gui_thread import Delivery
-from volviz_ui.main_window import MainWindow
-from volviz_ui.views.pacer import Pacer
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.session.gui_thread import Delivery
+from volviz_ui.views.frame_scheduler import QtFrameScheduler
 
 Wait = Callable[..., None]
 
@@ -60,7 +60,7 @@ def test_the_window_never_waits_for_a_thread(
             window.store.end_gesture("test")
             wait_for(lambda: is_complete(window))
             assert window.viewport.frames > before
-        assert window.views.active.display.handle.error is None
+        assert window.views.active.controller.handle.error is None
         change(window, technique)
         window.close()
         settle(qapp)
@@ -70,20 +70,20 @@ def test_the_window_never_waits_for_a_thread(
 def test_a_drag_of_the_isovalue_shows_new_meshes_while_it_lasts(window: MainWindow, wait_for: Wait) -> None:
     change(window, "marching_cubes")
     wait_for(lambda: is_complete(window))
-    display = window.views.active.display
+    controller = window.views.active.controller
     shown: list[float] = []
     series = [50.0, 70.0, 90.0, 110.0, 130.0, 150.0]
 
     def note(_status: object) -> None:
-        technique = display.handle._runner.technique
+        technique = controller.handle._runner.technique
         blocks = technique._shown[True].blocks
         now = None if blocks is None else blocks.mesh.request.isovalue
         if now in series and now not in shown[-1:]:
             shown.append(now)
 
-    display.handle.on_status.append(note)
+    controller.handle.on_status.append(note)
     window.store.begin_gesture("test")
-    display.handle._cost.observe(display.handle._picture.level, 1.0)
+    controller.handle._cost.observe(controller.handle._image.level, 1.0)
     for isovalue in series:
         change(window, "marching_cubes", isovalue=isovalue)
         # nothing moves any more: the mesh comes by itself
@@ -91,14 +91,14 @@ def test_a_drag_of_the_isovalue_shows_new_meshes_while_it_lasts(window: MainWind
     assert shown == series
     window.store.end_gesture("test")
     wait_for(lambda: is_complete(window))
-    assert display.handle.mesh.request.isovalue == 150.0
+    assert controller.handle.mesh.request.isovalue == 150.0
 
 
 def test_a_wake_reaches_the_window_from_any_thread_and_not_what_has_gone(
     qapp: QApplication, wait_for: Wait
 ) -> None:
     store = Store()
-    pacer = Pacer(store)
+    pacer = QtFrameScheduler(store)
     frames: list[int] = []
     pacer.frame_wanted.connect(lambda: frames.append(threading.get_ident()))
     store.begin_gesture("test")

@@ -20,11 +20,11 @@ from volviz.errors import LoadError
 from volviz.model.light import Light
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
 from volviz.volume_data.references import VolumeKey, VolumeRef
-from volviz_ui.binding import send_value, show_value
-from volviz_ui.volume_cache import VolumeCache
-from volviz_ui.workers import Task, Workers
+from volviz.volume_data.volume import Volume
+from volviz_ui.session.volume_cache import VolumeCache
+from volviz_ui.session.workers import Task, Workers
+from volviz_ui.widgets.binding import send_value, show_value
 
 Wait = Callable[..., None]
 

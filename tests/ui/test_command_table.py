@@ -13,13 +13,13 @@ from PySide6.QtWidgets import QApplication, QLabel, QMenu
 from tests.ui.conftest import is_complete
 from volviz.custom_gl.scene_techniques import drawing_techniques
 from volviz.io.samples import samples
-from volviz.model.presets import presets
 from volviz.model.scene import Scene
+from volviz.model.transfer.presets import presets
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.commands.command import Command, State
 from volviz_ui.commands.palette import ENTRY, CommandPalette
 from volviz_ui.commands.shortcuts import ShortcutsDialog
-from volviz_ui.main_window import MainWindow
-from volviz_ui.theme import Theme
+from volviz_ui.style.theme import Theme
 
 Wait = Callable[..., None]
 BOTH = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
@@ -151,9 +151,9 @@ def test_a_switch_is_told_whether_it_is_to_be_on(bare_window: MainWindow) -> Non
     command = commands_of(bare_window)["view.box"]
     assert bare_window.commands.run(command)
     assert bare_window.commands["view.box"].isChecked()
-    assert bare_window.scenery.is_shown("box")
+    assert bare_window.annotations.is_shown("box")
     assert bare_window.commands.run(command)
-    assert not bare_window.scenery.is_shown("box")
+    assert not bare_window.annotations.is_shown("box")
 
 
 def test_a_panel_behind_another_one_comes_to_the_front_before_it_is_closed(bare_window: MainWindow) -> None:

@@ -18,16 +18,16 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog, QPushButton, QTabBar
 
-from tests.ui.conftest import drawn_picture, foreground, is_complete, picture
-from volviz.custom_gl.host.technique_runner import TechniqueRunner
+from tests.ui.conftest import drawn_image, foreground, image, is_complete
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
+from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.commands.shortcuts import ShortcutsDialog
-from volviz_ui.dialogs.export_picture import ExportPictureDialog
+from volviz_ui.dialogs.export_image import ExportImageDialog
 from volviz_ui.dialogs.raw_import import hints_from_name, is_raw
-from volviz_ui.main_window import MainWindow
-from volviz_ui.preferences import Preferences
-from volviz_ui.script import script_of
-from volviz_ui.theme import Theme
+from volviz_ui.session.preferences import Preferences
+from volviz_ui.session.script import script_of
+from volviz_ui.style.theme import Theme
 
 Wait = Callable[..., None]
 
@@ -37,7 +37,7 @@ def save(
 ) -> list[str]:
     """Export and wait for the end; what was saved."""
     saved: list[str] = []
-    export = window.file_commands.save_picture(str(path), size, transparent=transparent)
+    export = window.file_commands.save_image(str(path), size, transparent=transparent)
     assert export is not None
     export.saved.connect(saved.append)
     ended: list[bool] = []
@@ -49,7 +49,7 @@ def save(
 def test_an_exported_picture_has_the_size_and_shows_what_the_viewport_shows(
     window: MainWindow, wait_for: Wait, tmp_path: Path
 ) -> None:
-    shown = picture(window)
+    shown = image(window)
     height, width = shown.shape[:2]
     path = tmp_path / "out.png"
     assert save(window, wait_for, path, (width, height), transparent=False) == [str(path)]
@@ -77,7 +77,7 @@ def test_an_export_can_be_cancelled_and_leaves_the_file_that_was_there(
 ) -> None:
     path = tmp_path / "old.png"
     path.write_bytes(b"what was there")
-    export = window.file_commands.save_picture(str(path), (6000, 6000), transparent=False)
+    export = window.file_commands.save_image(str(path), (6000, 6000), transparent=False)
     assert export is not None
     told: list[float] = []
     export.progressed.connect(told.append)
@@ -97,7 +97,7 @@ def test_a_window_that_closes_gives_up_its_exports(
 ) -> None:
     bare_window.open(ball_file)
     wait_for(lambda: is_complete(bare_window))
-    export = bare_window.file_commands.save_picture(str(tmp_path / "a.png"), (3000, 3000), transparent=True)
+    export = bare_window.file_commands.save_image(str(tmp_path / "a.png"), (3000, 3000), transparent=True)
     assert export is not None
     told: list[float] = []
     export.progressed.connect(told.append)
@@ -146,7 +146,7 @@ def test_copying_waits_for_a_slow_technique_and_the_window_goes_on(
     timer.setInterval(10)
     timer.timeout.connect(lambda: ticks.append(time.monotonic()))
     timer.start()
-    copy = window.file_commands.copy_picture()
+    copy = window.file_commands.copy_image()
     told: list[float] = []
     copy.progressed.connect(told.append)
     assert not copy.is_over
@@ -156,8 +156,8 @@ def test_copying_waits_for_a_slow_technique_and_the_window_goes_on(
     assert not copy.is_over
     wait_for(lambda: copy.is_over)
     timer.stop()
-    assert window.display.status.complete
-    # a turn of the event loop after every chunk or two, as while the window completes a picture by itself
+    assert window.controller.status.complete
+    # a turn of the event loop after every chunk or two, as while the window completes an image by itself
     assert len(ticks) >= 4
     assert max(after - before for before, after in pairwise(ticks)) < 1.0
     assert told
@@ -174,7 +174,7 @@ def test_copying_can_be_cancelled_and_the_clipboard_keeps_what_it_has(
 ) -> None:
     QApplication.clipboard().setText("before")
     window.technique_commands.refine(1)
-    copy = window.file_commands.copy_picture()
+    copy = window.file_commands.copy_image()
     (dialog,) = window.findChildren(QProgressDialog)
     wait_for(dialog.isVisible)
     (button,) = dialog.findChildren(QPushButton)
@@ -188,7 +188,7 @@ def test_copying_can_be_cancelled_and_the_clipboard_keeps_what_it_has(
 @pytest.mark.usefixtures("slow_drawing")
 def test_a_window_that_closes_gives_up_copying(window: MainWindow) -> None:
     window.technique_commands.refine(1)
-    copy = window.file_commands.copy_picture()
+    copy = window.file_commands.copy_image()
     assert not copy.is_over
     window.close()
     assert copy.is_over
@@ -202,7 +202,7 @@ def test_the_copied_script_draws_the_same_picture(window: MainWindow, tmp_path: 
     script = QApplication.clipboard().text()
     assert script == script_of(window.store.scene, window.viewport.pixel_size)
     size = window.viewport.pixel_size
-    expected = drawn_picture(window.store.scene, window.documents.volume, size, transparent=True)
+    expected = drawn_image(window.store.scene, window.documents.volume, size, transparent=True)
     out = tmp_path / "picture.npy"
     code = script + f"\nimport numpy\nnumpy.save({str(out)!r}, picture)\n"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
@@ -250,12 +250,12 @@ def test_the_page_of_shortcuts_names_every_key(window: MainWindow) -> None:
 
 
 def test_the_export_dialog_keeps_the_proportions(window: MainWindow) -> None:
-    dialog = ExportPictureDialog((400, 300), window)
+    dialog = ExportImageDialog((400, 300), window)
     dialog.pixel_width.setValue(800)
-    assert dialog.picture_size == (800, 600)
+    assert dialog.image_size == (800, 600)
     dialog.keep.setChecked(False)
     dialog.pixel_height.setValue(100)
-    assert dialog.picture_size == (800, 100)
+    assert dialog.image_size == (800, 100)
     dialog.deleteLater()
 
 
@@ -275,7 +275,7 @@ def test_the_theme_can_be_switched_and_icons_follow(window: MainWindow, theme: T
 
 def test_the_quality_reaches_the_host_and_is_remembered(window: MainWindow) -> None:
     window.view_commands.set_quality("full")
-    assert window.display.handle.quality == "full"
+    assert window.controller.handle.quality == "full"
     assert window.preferences.quality == "full"
     assert window.tools.quality.currentData() == "full"
 
@@ -319,10 +319,10 @@ def test_full_screen_and_back_by_escape(window: MainWindow) -> None:
 def test_the_background_is_a_step_of_the_history(window: MainWindow, wait_for: Wait) -> None:
     window.view_commands.set_background((1.0, 1.0, 1.0))
     wait_for(lambda: is_complete(window))
-    assert picture(window)[3, 3].min() == 255
+    assert image(window)[3, 3].min() == 255
     window.commands["edit.undo"].trigger()
     QTest.qWait(50)
-    assert picture(window)[3, 3].max() < 120
+    assert image(window)[3, 3].max() < 120
     assert foreground(window).mean() > 0.02
 
 

@@ -16,16 +16,16 @@ from PySide6.QtWidgets import QApplication
 from tests.ui.conftest import drag, is_complete, turn_wheel
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.model.session import load_session
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.commands.session import settings_of
-from volviz_ui.main_window import MainWindow
-from volviz_ui.views.difference_picture import array_of
+from volviz_ui.views.difference_image import array_of
 from volviz_ui.views.viewport import Viewport
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_pictures")
+pytestmark = pytest.mark.usefixtures("first_full_images")
 
 
-def picture_of(viewport: Viewport) -> np.ndarray:
+def image_of(viewport: Viewport) -> np.ndarray:
     """A viewport as shown, shape (H, W, 3), float 0..255."""
     image = viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
     rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())
@@ -33,7 +33,7 @@ def picture_of(viewport: Viewport) -> np.ndarray:
 
 
 def viewports(window: MainWindow) -> list[Viewport]:
-    return [pane.viewport for pane in window.views.panes]
+    return [view_widget.viewport for view_widget in window.views.view_widgets]
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def split(window: MainWindow, wait_for: Wait) -> MainWindow:
 
 
 def test_two_views_of_the_same_show_the_same_picture_and_follow_one_another(split: MainWindow) -> None:
-    left, right = (picture_of(viewport) for viewport in viewports(split))
+    left, right = (image_of(viewport) for viewport in viewports(split))
     assert left.shape == right.shape
     assert np.abs(left - right).max() == 0
     middle = left[left.shape[0] // 2, left.shape[1] // 2]
@@ -67,7 +67,7 @@ def test_a_drag_in_either_view_moves_both_and_they_never_drift(split: MainWindow
     cameras = [view.camera for view in split.store.scene.views]
     assert cameras[0] == cameras[1]
     assert viewports(split)[0].view_camera == viewports(split)[1].view_camera
-    left, right = (picture_of(viewport) for viewport in viewports(split))
+    left, right = (image_of(viewport) for viewport in viewports(split))
     assert np.abs(left - right).max() == 0
     assert split.store.undo_label == split.tr("%1 views").replace("%1", "2")
 
@@ -75,22 +75,22 @@ def test_a_drag_in_either_view_moves_both_and_they_never_drift(split: MainWindow
 def test_keys_and_panel_act_on_the_view_that_was_clicked(split: MainWindow, wait_for: Wait) -> None:
     QTest.mouseClick(viewports(split)[1], Qt.MouseButton.LeftButton, pos=QPoint(20, 60))
     assert split.store.scene.active == 1
-    assert split.views.panes[1].header.is_active
-    assert not split.views.panes[0].header.is_active
+    assert split.views.view_widgets[1].header.is_active
+    assert not split.views.view_widgets[0].header.is_active
     QTest.keyClick(split, "2")
     first, second = split.store.scene.views
     assert first.technique == "raycast"
     assert second.technique != "raycast"
     assert split.technique_panel.box.currentData() == second.technique
-    assert split.views.panes[1].header.box.currentData() == second.technique
-    assert split.views.panes[0].header.box.currentData() == "raycast"
+    assert split.views.view_widgets[1].header.box.currentData() == second.technique
+    assert split.views.view_widgets[0].header.box.currentData() == "raycast"
     wait_for(lambda: is_complete(split))
-    assert split.views.panes[0].display.handle.technique.id == "raycast"
-    assert split.views.panes[1].display.handle.technique.id == second.technique
+    assert split.views.view_widgets[0].controller.handle.technique.id == "raycast"
+    assert split.views.view_widgets[1].controller.handle.technique.id == second.technique
 
 
 def test_the_header_chooses_the_technique_of_its_view(split: MainWindow) -> None:
-    box = split.views.panes[1].header.box
+    box = split.views.view_widgets[1].header.box
     box.setCurrentIndex(box.findData("isosurface"))
     box.activated.emit(box.currentIndex())
     assert [view.technique for view in split.store.scene.views] == ["raycast", "isosurface"]
@@ -98,7 +98,7 @@ def test_the_header_chooses_the_technique_of_its_view(split: MainWindow) -> None
 
 
 def test_the_words_of_a_header_give_way_where_it_is_too_narrow(split: MainWindow) -> None:
-    header = split.views.panes[0].header
+    header = split.views.view_widgets[0].header
     for width in range(180, 520, 20):
         header.resize(width, header.height())
         header.layout().activate()
@@ -116,23 +116,23 @@ def test_undo_goes_through_splitting_and_techniques_of_both_views(split: MainWin
     for expected in (["raycast", "isosurface"], ["raycast", "raycast"], ["raycast"]):
         split.commands["edit.undo"].trigger()
         assert [view.technique for view in split.store.scene.views] == expected
-        assert len(split.views.panes) == len(expected)
+        assert len(split.views.view_widgets) == len(expected)
         wait_for(lambda: is_complete(split))
     for _ in range(3):
         split.commands["edit.redo"].trigger()
     assert [view.technique for view in split.store.scene.views] == ["slicing", "isosurface"]
     wait_for(lambda: is_complete(split))
-    assert [p.display.handle.technique.id for p in split.views.panes] == ["slicing", "isosurface"]
+    assert [p.controller.handle.technique.id for p in split.views.view_widgets] == ["slicing", "isosurface"]
 
 
 def test_closing_the_left_half_leaves_the_right_one(split: MainWindow, wait_for: Wait) -> None:
     choose_technique(split.store, "isosurface", view=1)
     wait_for(lambda: is_complete(split))
     width = viewports(split)[0].width()
-    split.views.panes[0].header.close_button.click()
+    split.views.view_widgets[0].header.close_button.click()
     assert [view.technique for view in split.store.scene.views] == ["isosurface"]
     wait_for(lambda: is_complete(split))
-    assert split.display.handle.technique.id == "isosurface"
+    assert split.controller.handle.technique.id == "isosurface"
     assert split.viewport.width() > 1.8 * width
     assert split.views.first.header.isHidden()
 
@@ -164,8 +164,8 @@ def test_four_views_are_equally_large(split: MainWindow, wait_for: Wait) -> None
         QTest.qWait(30)
         assert len({(v.width(), v.height()) for v in viewports(split)}) == 1
     wait_for(lambda: is_complete(split))
-    pictures = [picture_of(viewport) for viewport in viewports(split)]
-    assert all(np.abs(other - pictures[0]).max() == 0 for other in pictures[1:])
+    images = [image_of(viewport) for viewport in viewports(split)]
+    assert all(np.abs(other - images[0]).max() == 0 for other in images[1:])
 
 
 def test_another_file_keeps_the_views_and_is_shown_in_all(
@@ -176,12 +176,18 @@ def test_another_file_keeps_the_views_and_is_shown_in_all(
     wait_for(lambda: split.documents.volume is not None and split.documents.volume.dimensions[0] == 24)
     wait_for(lambda: is_complete(split))
     assert [view.technique for view in split.store.scene.views] == ["raycast", "isosurface"]
-    assert all(pane.display.handle.volume is split.documents.volume for pane in split.views.panes)
+    assert all(
+        view_widget.controller.handle.volume is split.documents.volume
+        for view_widget in split.views.view_widgets
+    )
     assert split.store.scene.views[0].camera == split.store.scene.views[1].camera
     split.commands["edit.undo"].trigger()
     wait_for(lambda: is_complete(split))
     assert split.documents.volume.dimensions[0] == 32
-    assert all(pane.display.handle.volume is split.documents.volume for pane in split.views.panes)
+    assert all(
+        view_widget.controller.handle.volume is split.documents.volume
+        for view_widget in split.views.view_widgets
+    )
 
 
 def test_a_copied_picture_holds_all_views(split: MainWindow) -> None:
@@ -190,9 +196,9 @@ def test_a_copied_picture_holds_all_views(split: MainWindow) -> None:
     area, ratio = split.views, split.devicePixelRatioF()
     assert (image.width(), image.height()) == (round(area.width() * ratio), round(area.height() * ratio))
     copied = array_of(image)
-    for pane in split.views.panes:
-        corner = pane.viewport.mapTo(area, QPoint(0, 0))
-        shown = picture_of(pane.viewport)
+    for view_widget in split.views.view_widgets:
+        corner = view_widget.viewport.mapTo(area, QPoint(0, 0))
+        shown = image_of(view_widget.viewport)
         part = copied[corner.y() :, corner.x() :][: shown.shape[0], : shown.shape[1]]
         assert np.abs(part - shown).mean() < 1
 

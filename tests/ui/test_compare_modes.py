@@ -11,17 +11,17 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from tests.ui.conftest import drag, drawn_picture, is_complete
-from tests.ui.test_compare import picture_of, viewports
-from volviz.compare.pictures import difference_image
+from tests.ui.conftest import drag, drawn_image, is_complete
+from tests.ui.test_compare import image_of, viewports
+from volviz.compare.image_metrics import difference_image
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.model.comparison import Mode
-from volviz_ui.main_window import MainWindow
-from volviz_ui.views.difference_picture import array_of
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.views.difference_image import array_of
 from volviz_ui.views.divider import Divider
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_pictures")
+pytestmark = pytest.mark.usefixtures("first_full_images")
 
 
 @pytest.fixture
@@ -59,21 +59,21 @@ def drag_divider(divider: Divider, dx: int) -> None:
 
 
 def on_screen(window: MainWindow) -> np.ndarray:
-    """What the screen shows where the pictures are, below the headers, shape (H, W, 3)."""
+    """What the screen shows where the images are, below the headers, shape (H, W, 3)."""
     area = window.views
     body = QRect(area.mapTo(window, QPoint(0, 0)), area.size())
-    picture = array_of(window.screen().grabWindow(window.winId()).toImage())
+    image = array_of(window.screen().grabWindow(window.winId()).toImage())
     top = body.top() + area.first.frame.y()
-    return picture[top : body.top() + area.height(), body.left() : body.left() + area.width()].astype(float)
+    return image[top : body.top() + area.height(), body.left() : body.left() + area.width()].astype(float)
 
 
 def exported(window: MainWindow) -> list[np.ndarray]:
-    """Both pictures as they would be exported, shape (H, W, 3), uint8."""
+    """Both images as they would be exported, shape (H, W, 3), uint8."""
     found = []
     for view in range(2):
         window.views.activate(view)
         scene, volume = window.store.scene, window.documents.volume
-        found.append(drawn_picture(scene, volume, window.viewport.pixel_size, transparent=False)[..., :3])
+        found.append(drawn_image(scene, volume, window.viewport.pixel_size, transparent=False)[..., :3])
     return found
 
 
@@ -90,7 +90,7 @@ def test_a_wipe_shows_the_first_view_left_of_the_line_and_the_second_right_of_it
     wait_for(lambda: is_complete(pair))
     QTest.qWait(80)
     seen = on_screen(pair)
-    left, right = (picture_of(viewport) for viewport in viewports(pair))
+    left, right = (image_of(viewport) for viewport in viewports(pair))
     at = round(share * width)
     assert seen.shape == left.shape == right.shape
     assert np.abs(seen[:, : at - 12] - left[:, : at - 12]).max() <= 1
@@ -139,12 +139,12 @@ def test_blinking_shows_one_view_and_the_other_in_turn_and_stops_when_hidden(
         return seen.count(True) > 3 and seen.count(False) > 3
 
     wait_for(both_seen)
-    pictures = [picture_of(viewport) for viewport in viewports(pair)]
+    images = [image_of(viewport) for viewport in viewports(pair)]
     for covered in (True, False):
         wait_for(lambda wanted=covered: right.is_covered is wanted)
         QTest.qWait(60)
         shown = on_screen(pair)
-        near = [float(np.abs(shown - picture).mean()) for picture in pictures]
+        near = [float(np.abs(shown - image).mean()) for image in images]
         assert min(near) < 0.5
     pair.hide()
     QTest.qWait(20)
@@ -171,16 +171,16 @@ def test_the_difference_of_a_picture_with_itself_is_nothing(window: MainWindow, 
 def test_the_difference_is_that_of_the_exported_pictures(pair: MainWindow, wait_for: Wait) -> None:
     enter(pair, "difference", wait_for)
     view = pair.views.arrangement.difference
-    pictures = exported(pair)
+    images = exported(pair)
     for kind, channel in (("signed", "luminance"), ("absolute", "rgb"), ("absolute", "green")):
         pair.compare_commands.change(map=kind, channel=channel)
         QTest.qWait(80)
         wait_for(lambda: view.is_exact)
-        expected = difference_image(*pictures, kind=kind, channel=channel)
+        expected = difference_image(*images, kind=kind, channel=channel)
         assert view.limit == pytest.approx(expected.limit, abs=1.01)
         shown = array_of(view.image).astype(float)
-        assert shown.shape == expected.picture.shape
-        assert np.abs(shown - expected.picture).mean() < 0.5
+        assert shown.shape == expected.image.shape
+        assert np.abs(shown - expected.image).mean() < 0.5
         QTest.qWait(80)
         seen = on_screen(pair)[:, : int(0.7 * shown.shape[1])]
         assert np.abs(seen - shown[:, : seen.shape[1]]).max() <= 1
@@ -239,7 +239,7 @@ def test_sizes_files_techniques_and_closing_leave_right_pictures(
         wait_for(lambda: view.is_exact)
         assert view.image.width() == pair.viewport.pixel_size[0]
         assert view.limit < 60
-    left, right = (picture_of(viewport) for viewport in viewports(pair))
+    left, right = (image_of(viewport) for viewport in viewports(pair))
     assert np.abs(left - right).mean() < 3
     assert np.abs(left - left[:, :1]).max() > 30
     pair.views.close_view(0)
@@ -249,7 +249,7 @@ def test_sizes_files_techniques_and_closing_leave_right_pictures(
     assert pair.views.arrangement.difference.isHidden()
     assert pair.views.arrangement.divider.isHidden()
     assert pair.viewport.size() == pair.views.size()
-    assert np.abs(on_screen(pair) - picture_of(pair.viewport)).mean() < 1
+    assert np.abs(on_screen(pair) - image_of(pair.viewport)).mean() < 1
 
 
 def test_which_two_of_four_views_are_compared_is_said_and_can_be_chosen(
@@ -258,7 +258,7 @@ def test_which_two_of_four_views_are_compared_is_said_and_can_be_chosen(
     window.commands["compare.four_views"].trigger()
     for view, technique in enumerate(("raycast", "isosurface", "slicing", "splatting")):
         choose_technique(window.store, technique, view=view)
-    badges = [pane.header.badge for pane in window.views.panes]
+    badges = [view_widget.header.badge for view_widget in window.views.view_widgets]
     look = window.compare_panel.look
     assert [badge.text() for badge in badges] == ["A", "B", "3", "4"]
     assert [box.currentText() for box in look.sides] == ["1  Ray casting", "2  Isosurface"]
@@ -268,12 +268,17 @@ def test_which_two_of_four_views_are_compared_is_said_and_can_be_chosen(
     assert [badge.text() for badge in badges] == ["A", "2", "3", "B"]
     window.views.activate(2)
     enter(window, "wipe", wait_for)
-    assert [pane.frame.isVisible() for pane in window.views.panes] == [True, False, False, True]
+    assert [view_widget.frame.isVisible() for view_widget in window.views.view_widgets] == [
+        True,
+        False,
+        False,
+        True,
+    ]
     assert window.store.scene.active == 0
     assert "two of 4" in look.seen.text()
     seen = on_screen(window)
     half = window.views.width() // 2
-    right = picture_of(viewports(window)[3])[:, half + 12 :]
+    right = image_of(viewports(window)[3])[:, half + 12 :]
     assert np.abs(seen[:, half + 12 :] - right).max() <= 1
     # keys go from A to B, and choosing B as A exchanges the sides
     QTest.keyClick(window, "N")
@@ -283,16 +288,15 @@ def test_which_two_of_four_views_are_compared_is_said_and_can_be_chosen(
     QTest.qWait(50)
     assert [badge.text() for badge in badges] == ["B", "2", "3", "A"]
     assert (
-        np.abs(on_screen(window)[:, half + 12 :] - picture_of(viewports(window)[0])[:, half + 12 :]).max()
-        <= 1
+        np.abs(on_screen(window)[:, half + 12 :] - image_of(viewports(window)[0])[:, half + 12 :]).max() <= 1
     )
-    # the difference of another pair is that of their exported pictures
+    # the difference of another pair is that of their exported images
     enter(window, "difference", wait_for)
     look.sides[0].activated.emit(1)
     view = window.views.arrangement.difference
     wait_for(lambda: is_complete(window) and view.is_exact)
-    first, second = window.views.pair_pictures()
+    first, second = window.views.pair_images()
     assert window.store.scene.pair == (1, 0)
     expected = difference_image(first, second, kind="signed", limit=view.limit)
-    assert np.abs(array_of(view.image).astype(float) - expected.picture).mean() < 0.5
+    assert np.abs(array_of(view.image).astype(float) - expected.image).mean() < 0.5
     assert view.caption().startswith("B \N{MINUS SIGN} A")

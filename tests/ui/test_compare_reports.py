@@ -22,17 +22,17 @@ from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
 from volviz.model.scene import Scene, SceneView
-from volviz.model.tf_formats import write_transfer_function
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.formats import write_transfer_function
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.volume import Volume
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve, decades
 from volviz_ui.compare.reports import curves_of
-from volviz_ui.main_window import MainWindow
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_pictures")
+pytestmark = pytest.mark.usefixtures("first_full_images")
 
 
 def scene_of(views: tuple[SceneView, ...], camera: Camera) -> Scene:

@@ -16,8 +16,8 @@ from volviz.compare import crosscheck as module
 from volviz.compare.crosscheck import crosscheck
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.errors import Cancelled
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.compare.crosscheck import CrosscheckPanel
-from volviz_ui.main_window import MainWindow
 
 Wait = Callable[..., None]
 

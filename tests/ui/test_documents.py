@@ -11,10 +11,10 @@ from PySide6.QtWidgets import QApplication
 from volviz.model.camera import Camera
 from volviz.model.light import Light
 from volviz.model.store import Store
-from volviz_ui.binding import show_value
-from volviz_ui.documents import Documents
-from volviz_ui.loaded_scene import LoadedScene, volume_of
-from volviz_ui.workers import Workers
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene, volume_of
+from volviz_ui.session.workers import Workers
+from volviz_ui.widgets.binding import show_value
 
 Wait = Callable[..., None]
 CAMERA = Camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))

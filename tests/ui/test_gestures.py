@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from tests.ui.conftest import is_complete, turn_wheel
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings
-from volviz_ui.main_window import MainWindow
+from volviz_ui.app.main_window import MainWindow
 
 Wait = Callable[..., None]
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
@@ -78,10 +78,10 @@ def test_a_wheel_during_the_drag_of_a_setting_leaves_it_one_step(window: MainWin
 def test_a_drag_that_moves_a_knob_says_nothing_of_the_camera(window: MainWindow, wait_for: Wait) -> None:
     """VTK rounds the view up; a camera that nobody has moved stays the same value in the scene."""
     choose_technique(window.store, "bump_mapping")
-    window.display.show_camera(window.viewport.view_camera.turned(31, 17))
+    window.controller.show_camera(window.viewport.view_camera.turned(31, 17))
     wait_for(lambda: is_complete(window))
     camera = window.store.scene.view.camera
-    x, y = (round(v) for v in window.viewport.handles.place("light"))
+    x, y = (round(v) for v in window.viewport.manipulators.place("light"))
     QTest.mousePress(window.viewport, LEFT, NONE, QPoint(x, y))
     move_held(window.viewport, QPoint(x + 40, y + 30))
     QTest.mouseRelease(window.viewport, LEFT, NONE, QPoint(x + 40, y + 30))
@@ -95,7 +95,7 @@ def test_a_view_closed_while_it_is_dragged_ends_its_gesture_and_keeps_the_camera
 ) -> None:
     window.commands["compare.split"].trigger()
     wait_for(lambda: is_complete(window))
-    viewport = window.views.panes[1].viewport
+    viewport = window.views.view_widgets[1].viewport
     middle = viewport.rect().center()
     QTest.mousePress(viewport, LEFT, NONE, middle)
     move_held(viewport, middle + QPoint(40, 20))
@@ -115,7 +115,7 @@ def test_a_view_made_during_a_drag_is_completed_after_it(window: MainWindow, wai
     move_held(window.viewport, middle + QPoint(40, 20))
     window.commands["compare.split"].trigger()
     QTest.qWait(300)
-    assert not any(pane.display.is_complete for pane in window.views.panes)
+    assert not any(view_widget.controller.is_complete for view_widget in window.views.view_widgets)
     QTest.mouseRelease(window.viewport, LEFT, NONE, middle + QPoint(40, 20))
     wait_for(lambda: is_complete(window))
 

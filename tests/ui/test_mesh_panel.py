@@ -13,7 +13,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
-from tests.ui.conftest import is_complete, picture
+from tests.ui.conftest import image, is_complete
 from tests.waiting import join_tasks
 from volviz.custom_gl.scene_techniques import (
     change_setting,
@@ -23,9 +23,9 @@ from volviz.custom_gl.scene_techniques import (
 )
 from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.meshes.polydata import extract_isosurface, triangle_arrays
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
-from volviz_ui.main_window import MainWindow
-from volviz_ui.panels.surface import words_of
+from volviz_ui.panels.mesh_section import words_of
 
 Wait = Callable[..., None]
 
@@ -36,11 +36,11 @@ def change(window: MainWindow, name: str, value: Any) -> None:
     change_setting(window.store, parameter, value)
 
 
-def wait_for_facts(window: MainWindow, wait_for: Wait) -> Any:
+def wait_for_summary(window: MainWindow, wait_for: Wait) -> Any:
     """The figures of the mesh that is shown now."""
     wait_for(lambda: is_complete(window))
-    wait_for(lambda: window.surface.facts is not None)
-    return window.surface.facts
+    wait_for(lambda: window.surface.summary is not None)
+    return window.surface.summary
 
 
 @pytest.fixture
@@ -49,7 +49,9 @@ def meshes(window: MainWindow, wait_for: Wait) -> MainWindow:
     choose_technique(window.store, "marching_cubes")
     change(window, "isovalue", 100.0)
     wait_for(lambda: is_complete(window))
-    wait_for(lambda: window.surface.facts is not None and window.surface.facts.mesh.request.isovalue == 100.0)
+    wait_for(
+        lambda: window.surface.summary is not None and window.surface.summary.mesh.request.isovalue == 100.0
+    )
     return window
 
 
@@ -60,16 +62,16 @@ def test_the_figures_are_those_of_the_mesh_that_is_shown(meshes: MainWindow) -> 
     shown = meshes.technique_panel.surface
     assert not shown.isHidden()
     thousands = {
-        key: label.text().replace("\N{NARROW NO-BREAK SPACE}", "") for key, label in shown.facts.items()
+        key: label.text().replace("\N{NARROW NO-BREAK SPACE}", "") for key, label in shown.summary.items()
     }
     assert thousands["triangles"] == str(wanted.faces)
     assert thousands["vertices"] == str(wanted.vertices)
     assert float(thousands["area"].split()[0]) == pytest.approx(wanted.area, rel=1e-4)
     assert float(thousands["volume"].split()[0]) == pytest.approx(wanted.volume, rel=1e-4)
-    facts = meshes.surface.facts
+    summary = meshes.surface.summary
     # this file does not say in which unit its voxels lie
-    assert facts.length_unit == ""
-    words = words_of(replace(facts, length_unit="mm"))
+    assert summary.length_unit == ""
+    words = words_of(replace(summary, length_unit="mm"))
     assert words["area"].endswith(" mm²")
     assert words["volume"].endswith(" mm³")
     assert thousands["parts"] == "1, closed"
@@ -86,21 +88,21 @@ def test_the_section_and_the_command_belong_to_techniques_with_triangles(
     assert meshes.file_commands.export_mesh() is None
     choose_technique(meshes.store, "marching_tetrahedra")
     assert not meshes.technique_panel.surface.isHidden()
-    facts = wait_for_facts(meshes, wait_for)
-    wait_for(lambda: meshes.surface.facts.mesh.request.method == "tetrahedra")
-    assert facts is not None
+    summary = wait_for_summary(meshes, wait_for)
+    wait_for(lambda: meshes.surface.summary.mesh.request.method == "tetrahedra")
+    assert summary is not None
 
 
 def test_filters_change_the_mesh_and_are_steps_of_the_history(meshes: MainWindow, wait_for: Wait) -> None:
-    before = meshes.surface.facts
+    before = meshes.surface.summary
     change(meshes, "decimation", 0.7)
-    wait_for(lambda: meshes.surface.facts is not None and meshes.surface.facts is not before)
-    after = meshes.surface.facts
+    wait_for(lambda: meshes.surface.summary is not None and meshes.surface.summary is not before)
+    after = meshes.surface.summary
     assert after.metrics.faces == pytest.approx(0.3 * before.metrics.faces, rel=0.1)
     assert after.metrics.is_closed
     meshes.commands["edit.undo"].trigger()
-    wait_for(lambda: meshes.surface.facts is not None and meshes.surface.facts is not after)
-    assert meshes.surface.facts.metrics == before.metrics
+    wait_for(lambda: meshes.surface.summary is not None and meshes.surface.summary is not after)
+    assert meshes.surface.summary.metrics == before.metrics
 
 
 def test_work_on_the_mesh_is_shown_and_can_be_given_up(
@@ -112,20 +114,20 @@ def test_work_on_the_mesh_is_shown_and_can_be_given_up(
         progress(0.5)
         while not cancel():
             QTest.qSleep(2)
-        raise handle_cancelled
+        raise manipulator_cancelled
 
     from volviz.errors import Cancelled
 
-    handle_cancelled = Cancelled("The work on the mesh was cancelled.")
+    manipulator_cancelled = Cancelled("The work on the mesh was cancelled.")
     monkeypatch.setattr(filters, "filter_triangles", endless)
-    before, shown = meshes.surface.facts, meshes.technique_panel.surface
+    before, shown = meshes.surface.summary, meshes.technique_panel.surface
     change(meshes, "smoothing", 30)
     wait_for(lambda: not shown.work.isHidden() and shown.bar.value() > 500)
     QTest.mouseClick(shown.stop, Qt.MouseButton.LeftButton)
     assert current_settings(meshes.store.scene).smoothing == 0
     wait_for(lambda: is_complete(meshes))
     assert shown.work.isHidden()
-    assert meshes.surface.facts.metrics == before.metrics
+    assert meshes.surface.summary.metrics == before.metrics
     meshes.commands["edit.undo"].trigger()
     assert current_settings(meshes.store.scene).smoothing == 30
     meshes.commands["edit.redo"].trigger()
@@ -133,15 +135,15 @@ def test_work_on_the_mesh_is_shown_and_can_be_given_up(
 
 
 def test_w_shows_the_edges_of_the_triangles(meshes: MainWindow, wait_for: Wait) -> None:
-    solid = picture(meshes)
+    solid = image(meshes)
     meshes.viewport.setFocus()
     QTest.keyClick(meshes.viewport, Qt.Key.Key_W)
     assert current_settings(meshes.store.scene).wireframe
     wait_for(lambda: is_complete(meshes))
-    assert np.abs(picture(meshes) - solid).max() > 40
+    assert np.abs(image(meshes) - solid).max() > 40
     QTest.keyClick(meshes.viewport, Qt.Key.Key_W)
     wait_for(lambda: is_complete(meshes))
-    assert np.abs(picture(meshes) - solid).max() <= 2
+    assert np.abs(image(meshes) - solid).max() <= 2
 
 
 # ---------------------------------------------------------------------- export
@@ -176,7 +178,7 @@ def test_a_mesh_is_exported_as_it_is_shown(
     assert ending in asked[1]
     assert meshes.preferences.folder == str(tmp_path)
     found = trimesh.load(target, force="mesh", process=False)
-    metrics = meshes.surface.facts.metrics
+    metrics = meshes.surface.summary.metrics
     assert len(found.faces) == metrics.faces
     assert found.volume == pytest.approx(metrics.volume, rel=1e-4)
 

@@ -17,8 +17,8 @@ from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 from tests.ui.conftest import foreground, is_complete, save_ball
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.volume_data.references import VolumeKey, VolumeRef
-from volviz_ui.main_window import MainWindow
-from volviz_ui.preferences import Preferences
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.session.preferences import Preferences
 
 Wait = Callable[..., None]
 
@@ -54,9 +54,9 @@ def test_a_dropped_file_is_shown_in_the_middle(
 
 
 def test_the_panels_say_what_was_opened(window: MainWindow) -> None:
-    facts = {key: label.whole for key, label in window.data_panel._facts.items()}
-    assert facts["size"] == "32 × 32 × 32"
-    assert facts["range"].startswith("0 … 200")
+    properties = {key: label.whole for key, label in window.data_panel._properties.items()}
+    assert properties["size"] == "32 × 32 × 32"
+    assert properties["range"].startswith("0 … 200")
     assert "32 × 32 × 32" in window.messages.status_line.volume.text()
 
 
@@ -140,10 +140,10 @@ def test_coming_back_from_a_file_that_never_arrived_shows_the_present_technique(
     window.commands["edit.redo"].trigger()
     assert not window.documents.is_loading
     assert window.store.scene.view.technique == "raycast"
-    assert window.display.handle.technique.id == "raycast"
+    assert window.controller.handle.technique.id == "raycast"
     assert window.documents.volume.dimensions == (24, 24, 24)
     wait_for(lambda: is_complete(window))
-    assert window.display.handle.error is None
+    assert window.controller.handle.error is None
 
 
 def test_the_newest_wish_wins(bare_window: MainWindow, tmp_path: Path, wait_for: Wait) -> None:

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from tests.ui.conftest import drag, foreground, is_complete, picture
+from tests.ui.conftest import drag, foreground, image, is_complete
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.scene_techniques import (
     change_setting,
@@ -28,11 +28,11 @@ from volviz.custom_gl.scene_techniques import (
     current_technique,
     drawing_techniques,
 )
-from volviz.model.volume import Volume
 from volviz.volume_data.references import VolumeKey, VolumeRef
+from volviz.volume_data.volume import Volume
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.editors.number import STEPS, NumberEditor
-from volviz_ui.main_window import MainWindow
-from volviz_ui.panels import form_shelf
+from volviz_ui.panels import form_cache
 from volviz_ui.panels.settings_form import SettingsForm
 
 Wait = Callable[..., None]
@@ -63,19 +63,19 @@ def editor(window: MainWindow, name: str) -> NumberEditor:
 
 
 def test_a_drag_of_a_slider_is_one_step_and_reaches_the_picture(window: MainWindow, wait_for: Wait) -> None:
-    before = picture(window)
+    before = image(window)
     slider = editor(window, "density_threshold").control.slider
     slider_drag(slider, 30)
     value = current_settings(window.store.scene).density_threshold
     assert value > 0.2
     assert window.store.undo_label == "Density threshold"
-    assert window.display.handle.settings.density_threshold == value
+    assert window.controller.handle.settings.density_threshold == value
     window.commands["edit.undo"].trigger()
     assert current_settings(window.store.scene).density_threshold == 0.0
     assert window.store.undo_label is None
     assert slider.value() == 0
     wait_for(lambda: is_complete(window))
-    assert np.abs(picture(window) - before).max() <= 2
+    assert np.abs(image(window) - before).max() <= 2
 
 
 def test_no_picture_is_completed_while_a_slider_is_held(window: MainWindow, wait_for: Wait) -> None:
@@ -151,7 +151,7 @@ def test_the_panel_of_every_technique_builds_and_shows_its_settings(window: Main
     assert set(form.editors) == {p.name for p in info.parameters}
     assert window.tools.technique.currentData() == info.id
     QTest.qWait(30)
-    assert window.display.handle.error is None
+    assert window.controller.handle.error is None
 
 
 def test_the_crop_box_cuts_the_picture_and_whole_volume_brings_it_back(
@@ -165,7 +165,7 @@ def test_the_crop_box_cuts_the_picture_and_whole_volume_brings_it_back(
     wait_for(lambda: is_complete(window))
     cut = foreground(window)
     half = whole.shape[1] // 2
-    # seen from the front, larger x (the patient's left) lies on the right of the picture
+    # seen from the front, larger x (the patient's left) lies on the right of the image
     assert cut[:, half + 6 :].sum() < 0.05 * whole[:, half + 6 :].sum()
     assert cut[:, : half - 6].sum() == pytest.approx(whole[:, : half - 6].sum(), rel=0.05)
     window.data_panel.crop.whole.click()
@@ -207,7 +207,7 @@ def test_the_light_can_be_placed_by_numbers(window: MainWindow) -> None:
     place.check.click()
     place.inner.fields[2].setValue(123.0)
     assert window.store.scene.light.position[2] == 123.0
-    assert window.display.handle.light_position[2] == 123.0
+    assert window.controller.handle.light_position[2] == 123.0
 
 
 def test_groups_fold_and_stay_folded_when_the_technique_changes(window: MainWindow) -> None:
@@ -293,9 +293,9 @@ def test_a_technique_chosen_again_finds_its_form_with_present_values_and_folds(
 def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
     window: MainWindow, wait_for: Wait, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(form_shelf, "REST_MS", 0)
-    monkeypatch.setattr(form_shelf, "APART_MS", 0)
-    monkeypatch.setattr(form_shelf.FormShelf, "builds_ahead", True)
+    monkeypatch.setattr(form_cache, "REST_MS", 0)
+    monkeypatch.setattr(form_cache, "APART_MS", 0)
+    monkeypatch.setattr(form_cache.FormCache, "builds_ahead", True)
     panel = window.technique_panel
     choose_technique(window.store, "slicing")
     wait_for(
@@ -304,22 +304,22 @@ def test_forms_are_made_in_advance_in_quiet_times_and_not_while_hidden(
     assert [form for form in panel.findChildren(SettingsForm) if form.isVisible()] == [panel.form]
     assert panel.form.info.id == "slicing"
     # another theme would dress them all: those that nobody sees go, and come back in the next quiet time
-    monkeypatch.setattr(form_shelf, "REST_MS", 100_000)
+    monkeypatch.setattr(form_cache, "REST_MS", 100_000)
     window.edit_commands.set_theme("light")
     assert panel.findChildren(SettingsForm) == [panel.form]
     window.edit_commands.set_theme("dark")
     choose_technique(window.store, "raycast")
     assert panel.form.isVisible()
-    panel.shelf.stop()
+    panel.forms.stop()
 
 
 def test_a_form_that_is_still_in_the_making_is_whole_when_it_is_chosen(
     window: MainWindow, wait_for: Wait, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(form_shelf, "REST_MS", 0)
-    monkeypatch.setattr(form_shelf, "APART_MS", 10)
-    monkeypatch.setattr(form_shelf, "PIECE_SECONDS", 0.0)
-    monkeypatch.setattr(form_shelf.FormShelf, "builds_ahead", True)
+    monkeypatch.setattr(form_cache, "REST_MS", 0)
+    monkeypatch.setattr(form_cache, "APART_MS", 10)
+    monkeypatch.setattr(form_cache, "PIECE_SECONDS", 0.0)
+    monkeypatch.setattr(form_cache.FormCache, "builds_ahead", True)
     panel = window.technique_panel
     choose_technique(window.store, "slicing")
     begun = []
@@ -329,7 +329,7 @@ def test_a_form_that_is_still_in_the_making_is_whole_when_it_is_chosen(
         return bool(begun)
 
     wait_for(one_is_begun)
-    panel.shelf.stop()
+    panel.forms.stop()
     choose_technique(window.store, begun[0].info.id)
     assert panel.form is begun[0]
     assert panel.form.is_whole
@@ -348,7 +348,7 @@ def test_long_names_and_units_are_shortened_and_make_nothing_wider(window: MainW
     assert window.documents.volume is long
     QTest.qWait(20)
     assert panel.body.minimumSizeHint().width() == before
-    shown = panel._facts["name"]
+    shown = panel._properties["name"]
     assert shown.whole == name
     assert shown.text().endswith("…")
     assert name in shown.toolTip()
@@ -358,7 +358,7 @@ def test_long_names_and_units_are_shortened_and_make_nothing_wider(window: MainW
     assert field.sizeHint().width() < 200
     window.store.undo()
     window.store.undo()
-    assert panel._facts["name"].text() == volume.name
+    assert panel._properties["name"].text() == volume.name
 
 
 def test_one_of_a_unit_is_said_in_the_singular(window: MainWindow) -> None:

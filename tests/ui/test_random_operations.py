@@ -1,4 +1,4 @@
-"""Many operations in random order: nothing raises, nothing grows, the picture stays right."""
+"""Many operations in random order: nothing raises, nothing grows, the image stays right."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from volviz.custom_gl.scene_techniques import (
 )
 from volviz.kernels.warm_up import warm_up
 from volviz.model.parameters import Cost, Parameter
-from volviz_ui.main_window import MainWindow
-from volviz_ui.memory import return_freed_memory
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.session.memory import return_freed_memory
 
 Wait = Callable[..., None]
 OPERATIONS = int(os.environ.get("VOLVIZ_RANDOM_OPERATIONS", "120"))
@@ -54,7 +54,7 @@ class Monkey:
         self.random = random.Random(seed)
         self.errors: list[object] = []
         self.log: list[str] = []
-        window.display.failed.connect(self.errors.append)
+        window.controller.failed.connect(self.errors.append)
         window.documents.failed.connect(lambda name, error: self.errors.append(error))
 
     def warm_up(self) -> None:
@@ -66,7 +66,7 @@ class Monkey:
         for info in drawing_techniques():
             choose_technique(self.window.store, info.id)
             for _ in range(2):
-                # enlarged and complete pictures, with opaque things beside the volume and without
+                # enlarged and complete images, with opaque things beside the volume and without
                 self.window.commands["view.box"].trigger()
                 drag(self.window.viewport, middle, middle + QPoint(20, 10), steps=3)
                 self.wait_for(lambda: is_complete(self.window))
@@ -159,7 +159,7 @@ class Monkey:
         dock = self.random.choice(self.window.docks.all)
         dock.setFloating(not dock.isFloating())
 
-    def do_scenery(self) -> None:
+    def do_annotations(self) -> None:
         self.window.commands[f"view.{self.random.choice(['box', 'axes', 'marker', 'bar'])}"].trigger()
 
     def do_forget_volumes(self) -> None:
@@ -201,4 +201,4 @@ def test_random_operations_raise_nothing_and_keep_the_memory(
     window.view_commands.reset_camera()
     wait_for(lambda: is_complete(window))
     assert foreground(window).mean() > 0.02
-    assert window.display.handle.error is None
+    assert window.controller.handle.error is None

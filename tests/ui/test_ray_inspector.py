@@ -1,4 +1,4 @@
-"""The ray inspector in the window: clicks, keys, and what it says against the picture's own pixels."""
+"""The ray inspector in the window: clicks, keys, and what it says against the image's own pixels."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from tests.ui.conftest import is_complete, picture
+from tests.ui.conftest import image, is_complete
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.custom_gl.techniques.raycast.settings import RaycastSettings
-from volviz.model.transfer_function import TransferFunction
-from volviz_ui.main_window import MainWindow
+from volviz.model.transfer.function import TransferFunction
+from volviz_ui.app.main_window import MainWindow
 
 Wait = Callable[..., None]
 LEFT = Qt.MouseButton.LeftButton
@@ -55,7 +55,7 @@ def test_a_click_shows_the_colour_of_that_very_pixel(
     for offset in (QPoint(0, 0), QPoint(31, -24), QPoint(-40, 12)):
         click(inspecting, offset, wait_for)
         found = inspecting.ray_panel.plot.found
-        drawn = inspecting.display.handle.read_picture()[found.pixel[1], found.pixel[0]]
+        drawn = inspecting.controller.handle.read_image()[found.pixel[1], found.pixel[0]]
         assert found.exact
         assert drawn[3] > 0.2
         np.testing.assert_allclose(found.profile.color, drawn, atol=2 / 255)
@@ -65,12 +65,12 @@ def test_a_cross_marks_the_pixel_until_the_panel_is_closed(inspecting: MainWindo
     offset = QPoint(60, 30)
     click(inspecting, offset, wait_for)
     spot = inspecting.viewport.rect().center() + offset
-    arm = picture(inspecting)[spot.y(), spot.x() + 8]
+    arm = image(inspecting)[spot.y(), spot.x() + 8]
     assert arm[0] > 200
     assert arm[2] < 120
     inspecting.docks["ray"].close()
     wait_for(lambda: inspecting.views.first.ray_mark.place is None and is_complete(inspecting))
-    assert np.abs(picture(inspecting)[spot.y(), spot.x() + 8] - arm).max() > 60
+    assert np.abs(image(inspecting)[spot.y(), spot.x() + 8] - arm).max() > 60
 
 
 def test_the_ray_follows_the_transfer_function_and_undo(inspecting: MainWindow, wait_for: Wait) -> None:
@@ -124,7 +124,7 @@ def test_everything_can_be_done_with_the_keyboard(window: MainWindow, wait_for: 
     settle(window, wait_for)
     panel = window.ray_panel
     assert panel.plot.hasFocus()
-    # without a click it begins with the middle of the picture
+    # without a click it begins with the middle of the image
     width, height = window.viewport.pixel_size
     assert panel.plot.found.pixel == (width // 2, height // 2)
     QTest.keyClick(panel.plot, Qt.Key.Key_Home)
@@ -200,17 +200,19 @@ def test_in_several_views_the_ray_is_that_of_the_active_one(inspecting: MainWind
     inspecting.store.update(
         lambda scene: scene.with_view_count(2).with_view(1, technique="slicing"), label="2"
     )
-    wait_for(lambda: len(inspecting.views.panes) == 2 and inspecting.views.is_complete)
+    wait_for(lambda: len(inspecting.views.view_widgets) == 2 and inspecting.views.is_complete)
     for view, technique in ((1, "slicing"), (0, "raycast")):
-        viewport = inspecting.views.panes[view].viewport
+        viewport = inspecting.views.view_widgets[view].viewport
         QTest.mouseClick(viewport, LEFT, pos=viewport.rect().center())
         wait_for(lambda: inspecting.views.is_complete and inspecting.ray_inspector.is_settled)
         found = inspecting.ray_panel.plot.found
         assert found.technique == technique
-        drawn = inspecting.views.panes[view].display.handle.read_picture()[found.pixel[1], found.pixel[0]]
+        drawn = inspecting.views.view_widgets[view].controller.handle.read_image()[
+            found.pixel[1], found.pixel[0]
+        ]
         np.testing.assert_allclose(found.profile.color, drawn, atol=2 / 255)
         # the same spot is marked in both, to be compared
-        assert all(pane.ray_mark.place is not None for pane in inspecting.views.panes)
+        assert all(view_widget.ray_mark.place is not None for view_widget in inspecting.views.view_widgets)
     inspecting.store.update(lambda scene: scene.without_view(1), label="Close")
     settle(inspecting, wait_for)
     assert inspecting.ray_panel.plot.found.technique == "raycast"

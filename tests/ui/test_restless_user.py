@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.ui.restless_user import RestlessUser
-from volviz_ui.main_window import MainWindow
+from volviz_ui.app.main_window import MainWindow
 
 STEPS = 16
 SEED = 7

@@ -10,9 +10,9 @@ import pytest
 
 import volviz
 from volviz.model.scene import Scene
-from volviz.model.transfer_function import TransferFunction
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
-from volviz_ui.script import script_of
+from volviz_ui.session.script import script_of
 
 FUNCTION = TransferFunction.from_points([(0.0, (0, 0, 0, 0)), (200.0, (1, 1, 1, 0.5))]).with_opacity(0.5)
 

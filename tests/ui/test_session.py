@@ -10,13 +10,13 @@ import numpy as np
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from tests.ui.conftest import is_complete, picture
+from tests.ui.conftest import image, is_complete
 from volviz.custom_gl.resolve import layer_function
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.session import save_session
 from volviz.volume_data.references import VolumeRef
-from volviz_ui.autosave import Autosave, left_behind
-from volviz_ui.main_window import MainWindow
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.session.autosave import Autosave, left_behind
 
 Wait = Callable[..., None]
 DEAD_PROCESS = 2**22 + 5
@@ -30,7 +30,7 @@ def test_a_saved_session_brings_everything_back(
     window.technique_commands.refine(1)
     scene = window.store.scene
     wait_for(lambda: is_complete(window))
-    before = picture(window)
+    before = image(window)
     path = tmp_path / "mine.volviz.json"
     assert window.session_commands.save_path(path)
 
@@ -40,7 +40,7 @@ def test_a_saved_session_brings_everything_back(
     wait_for(lambda: window.documents.volume.dimensions == (32, 32, 32))
     assert window.store.scene == scene
     wait_for(lambda: is_complete(window))
-    assert np.abs(picture(window) - before).max() <= 2
+    assert np.abs(image(window) - before).max() <= 2
     window.commands["edit.undo"].trigger()
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
 

@@ -1,4 +1,4 @@
-"""What a start must not do, and what waits until the first picture is there."""
+"""What a start must not do, and what waits until the first image is there."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from PySide6.QtCore import QObject
 
 from tests.ui.conftest import is_complete
-from volviz_ui.main_window import MainWindow
-from volviz_ui.workers import Gate, Workers
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.session.workers import Gate, Workers
 
 Wait = Callable[..., None]
 
@@ -22,7 +22,7 @@ def test_the_modules_of_the_window_do_not_import_numba() -> None:
 import sys
 from volviz.environment import prepare
 prepare()
-import volviz_ui.main_window
+import volviz_ui.app.main_window
 from volviz.custom_gl.registry import techniques
 techniques()
 print([name for name in ("numba", "scipy.ndimage", "SimpleITK") if name in sys.modules])

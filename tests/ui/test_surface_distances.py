@@ -17,16 +17,16 @@ from volviz.custom_gl.scene_techniques import choose_technique, current_techniqu
 from volviz.errors import Cancelled
 from volviz.model.comparison import Comparison
 from volviz.model.session import scene_from_dict, scene_to_dict
+from volviz_ui.app.main_window import MainWindow
 from volviz_ui.compare import surface_distances
-from volviz_ui.main_window import MainWindow
-from volviz_ui.script import script_of
+from volviz_ui.session.script import script_of
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_pictures")
+pytestmark = pytest.mark.usefixtures("first_full_images")
 
 
 def handles(window: MainWindow) -> list[Any]:
-    return [pane.display.handle for pane in window.views.panes]
+    return [view_widget.controller.handle for view_widget in window.views.view_widgets]
 
 
 def colored(window: MainWindow) -> list[bool]:
@@ -68,7 +68,7 @@ def test_copy_as_python_draws_the_colours_of_the_distance(surfaces: MainWindow, 
         for view, handle in enumerate(handles(surfaces)):
             surfaces.store.update(lambda scene, view=view: replace(scene, active=view), label="View")
             wait_for(lambda: is_complete(surfaces))
-            shown = handle.read_picture()
+            shown = handle.read_image()
             height, width = shown.shape[:2]
             script = script_of(surfaces.store.scene, (width, height))
             assert ("DistanceColoring" in script) == (distances != "off")
@@ -86,14 +86,14 @@ def test_copy_as_python_draws_the_colours_of_the_distance(surfaces: MainWindow, 
 def test_both_surfaces_are_coloured_and_turning_keeps_the_colours(
     surfaces: MainWindow, wait_for: Wait
 ) -> None:
-    plain = [handle.read_picture() for handle in handles(surfaces)]
+    plain = [handle.read_image() for handle in handles(surfaces)]
     choose(surfaces, "signed", wait_for)
     found = surfaces.surface_distances.colors
     assert found.is_signed
     assert 0 < found.largest < 1
     for handle, before, colors in zip(handles(surfaces), plain, (found.first, found.second), strict=True):
         assert handle.surface_colors is colors
-        assert np.abs(handle.read_picture() - before).max() > 0.1
+        assert np.abs(handle.read_image() - before).max() > 0.1
     section = surfaces.compare_panel.distances
     assert not section.isHidden()
     assert f"{found.largest:.3g}" in section.state.text()
@@ -217,9 +217,9 @@ def test_an_exported_picture_has_the_colours_of_the_window(
     surfaces: MainWindow, wait_for: Wait, tmp_path: Path
 ) -> None:
     choose(surfaces, "signed", wait_for)
-    shown = surfaces.views.pair_pictures()[0]
+    shown = surfaces.views.pair_images()[0]
     path = tmp_path / "colored.png"
-    surfaces.file_commands.save_picture(str(path), surfaces.viewport.pixel_size, transparent=False)
+    surfaces.file_commands.save_image(str(path), surfaces.viewport.pixel_size, transparent=False)
     wait_for(path.exists)
     saved = np.asarray(Image.open(path))
     assert saved.shape == shown.shape

@@ -1,4 +1,4 @@
-"""Pictures of presets on the user's own data."""
+"""Images of presets on the user's own data."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from volviz.model.presets import preset, preset_for
-from volviz.model.volume import Volume
-from volviz_ui.thumbnails import ASPECT, SIDE, coarse_copy, drawn, drawn_with, framed
+from volviz.model.transfer.presets import preset, preset_for
+from volviz.volume_data.volume import Volume
+from volviz_ui.transfer_editor.thumbnails import ASPECT, SIDE, coarse_copy, drawn, drawn_with, framed
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def test_a_preset_with_ray_casting_looks_like_the_plain_picture(shells: Volume) 
     plain, cast = drawn(coarse, function, shells), drawn_with(chosen, coarse, function, shells)
     assert cast.shape == plain.shape == (coarse.shape[0], coarse.shape[2], 3)
     assert max(cast.shape) == pytest.approx(SIDE, abs=2)
-    # the plain picture blends whole cells, the oracle's interpolates between them
+    # the plain image blends whole cells, the oracle's interpolates between them
     assert np.abs(cast - plain).mean() < 0.03
     assert plain.std() > 0.05
 
@@ -47,13 +47,13 @@ def test_techniques_and_their_settings_change_the_picture(
 ) -> None:
     chosen = replace(preset("mri"), technique=technique, settings=settings)
     function, coarse = preset_for(chosen, shells), coarse_copy(shells)
-    picture = drawn_with(chosen, coarse, function, shells)
-    assert picture.min() >= 0
-    assert picture.max() <= 1
+    image = drawn_with(chosen, coarse, function, shells)
+    assert image.min() >= 0
+    assert image.max() <= 1
     # the ball is there, left of the middle, and the corners show the background
-    weight = np.abs(picture - picture[0, 0]).sum(axis=-1)
+    weight = np.abs(image - image[0, 0]).sum(axis=-1)
     assert np.average(np.arange(weight.shape[1]), weights=weight.sum(axis=0)) < 0.47 * weight.shape[1]
-    assert np.abs(picture - drawn(coarse, function, shells)).mean() > 0.003
+    assert np.abs(image - drawn(coarse, function, shells)).mean() > 0.003
 
 
 def test_an_unknown_technique_has_no_picture_of_its_own(shells: Volume) -> None:
@@ -68,17 +68,17 @@ def test_a_stack_of_few_slices_is_seen_from_the_front() -> None:
     for technique in (None, "raycast"):
         chosen = replace(preset("mri"), technique=technique)
         function, coarse = preset_for(chosen, stack), coarse_copy(stack)
-        picture = (
+        image = (
             drawn(coarse, function, stack)
             if technique is None
             else drawn_with(chosen, coarse, function, stack)
         )
-        rows, columns = np.nonzero(np.abs(picture - picture[-1, 0]).sum(axis=-1) > 0.1)
+        rows, columns = np.nonzero(np.abs(image - image[-1, 0]).sum(axis=-1) > 0.1)
         # the first rows of a slice are at the top, as microscopes and scanners show them
-        assert rows.mean() < 0.3 * picture.shape[0]
-        assert columns.mean() > 0.6 * picture.shape[1]
-        frame = framed(picture)
+        assert rows.mean() < 0.3 * image.shape[0]
+        assert columns.mean() > 0.6 * image.shape[1]
+        frame = framed(image)
         assert frame.shape[1] / frame.shape[0] == pytest.approx(ASPECT, rel=0.03)
         assert frame.sum() == pytest.approx(
-            picture.sum() + (frame.size - picture.size) / 3 * sum(frame[0, 0]), rel=1e-6
+            image.sum() + (frame.size - image.size) / 3 * sum(frame[0, 0]), rel=1e-6
         )

@@ -1,4 +1,4 @@
-"""The viewport under real mouse events: camera, light, pictures, and nothing drawn without a reason."""
+"""The viewport under real mouse events: camera, light, images, and nothing drawn without a reason."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from tests.ui.conftest import drag, foreground, is_complete, picture, turn_wheel
+from tests.ui.conftest import drag, foreground, image, is_complete, turn_wheel
 from volviz.custom_gl.scene_techniques import choose_technique, drawing_techniques
-from volviz.model.transfer_function import TransferFunction
-from volviz_ui.main_window import MainWindow
+from volviz.model.transfer.function import TransferFunction
+from volviz_ui.app.main_window import MainWindow
 
 Wait = Callable[..., None]
 
@@ -193,14 +193,14 @@ def test_ten_moves_of_the_mouse_do_not_draw_more_than_ten_frames(window: MainWin
     moved = window.viewport.frames - before
     assert 1 <= moved <= 10
     wait_for(lambda: is_complete(window))
-    # the picture at rest, and the complete one
+    # the image at rest, and the complete one
     assert window.viewport.frames - before <= moved + 3
 
 
 def test_after_a_drag_the_complete_picture_comes(window: MainWindow, wait_for: Wait) -> None:
     drag(window.viewport, centre(window), centre(window) + QPoint(30, 0))
     wait_for(lambda: is_complete(window))
-    assert window.display.status.resolution == 1.0
+    assert window.controller.status.resolution == 1.0
     wait_for(lambda: "full quality" in window.messages.status_line.drawing.text())
 
 
@@ -248,7 +248,7 @@ def test_the_pointer_tells_the_voxel_below_it(window: MainWindow, wait_for: Wait
     text = window.messages.status_line.pointer.text()
     index = [int(n) for n in text[1 : text.index(")")].split(",")]
     assert text.endswith("200")
-    # the middle of the picture shows the middle of the volume, seen from the front, where y is small
+    # the middle of the image shows the middle of the volume, seen from the front, where y is small
     assert index[0] in (15, 16)
     assert index[2] in (15, 16)
     assert index[1] in (3, 4, 5)
@@ -259,7 +259,7 @@ def test_the_pointer_tells_the_voxel_below_it(window: MainWindow, wait_for: Wait
 def test_floating_and_docking_a_panel_leaves_the_picture_as_it_was(
     window: MainWindow, wait_for: Wait
 ) -> None:
-    before = picture(window)
+    before = image(window)
     for dock in window.docks.all:
         dock.setFloating(True)
         QTest.qWait(50)
@@ -267,16 +267,16 @@ def test_floating_and_docking_a_panel_leaves_the_picture_as_it_was(
         QTest.qWait(50)
     window.docks.reset()
     wait_for(lambda: is_complete(window))
-    after = picture(window)
+    after = image(window)
     if after.shape == before.shape:
         assert np.abs(after - before).max() <= 2
-    assert window.display.handle.error is None
+    assert window.controller.handle.error is None
     assert foreground(window).mean() > 0.02
 
 
 def test_techniques_can_be_changed_faster_than_they_draw(window: MainWindow, wait_for: Wait) -> None:
     errors: list[object] = []
-    window.display.failed.connect(errors.append)
+    window.controller.failed.connect(errors.append)
     for wait in (0, 15, 60):
         for info in drawing_techniques():
             choose_technique(window.store, info.id)
@@ -301,17 +301,17 @@ def test_another_size_of_the_window_gives_a_right_picture(window: MainWindow, wa
 def test_box_axes_marker_and_bar_can_be_switched(window: MainWindow, wait_for: Wait) -> None:
     for name in ("box", "axes", "marker", "bar"):
         action = window.commands[f"view.{name}"]
-        off = picture(window)
+        off = image(window)
         was_on = action.isChecked()
         action.trigger()
         QTest.qWait(50)
         wait_for(lambda: is_complete(window))
-        assert np.abs(picture(window) - off).max() > 20, name
-        assert window.scenery.is_shown(name) is not was_on
+        assert np.abs(image(window) - off).max() > 20, name
+        assert window.annotations.is_shown(name) is not was_on
         action.trigger()
         QTest.qWait(50)
         wait_for(lambda: is_complete(window))
-        assert np.abs(picture(window) - off).max() <= 2, name
+        assert np.abs(image(window) - off).max() <= 2, name
 
 
 def double_click(window: MainWindow, at: QPoint) -> None:
@@ -330,7 +330,7 @@ def test_a_double_click_looks_at_what_was_clicked_on(window: MainWindow) -> None
     after = window.viewport.view_camera
     assert after.distance == pytest.approx(before.distance)
     assert after.direction == pytest.approx(before.direction)
-    # on the ball's surface, and now in the middle of the picture
+    # on the ball's surface, and now in the middle of the image
     radius = np.linalg.norm(np.subtract(after.focal_point, window.documents.volume.center))
     assert radius == pytest.approx(12, abs=1)
     assert window.store.scene.view.camera.focal_point == after.focal_point

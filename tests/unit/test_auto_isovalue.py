@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 
 def ball(inside, outside, noise=0.0, radius=9.0):

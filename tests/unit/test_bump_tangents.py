@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
+from volviz.custom_gl.techniques.bump_mapping.receivers import polygons, vertex_data
 from volviz.errors import InputError
 from volviz.kernels.tangents import box_projection, plane_basis, vertex_tangents
 from volviz.model.cut_plane import default_cut_plane

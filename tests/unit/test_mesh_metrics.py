@@ -34,14 +34,14 @@ def blob():
 
 
 def test_a_cube_has_area_6_volume_1_and_characteristic_2():
-    figures = mesh_metrics(CUBE, CUBE_FACES)
-    assert figures.area == pytest.approx(6)
-    assert figures.volume == pytest.approx(1)
-    assert (figures.vertices, figures.edges, figures.faces) == (8, 18, 12)
-    assert figures.euler_characteristic == euler_characteristic(CUBE_FACES) == 2
-    assert figures.components == 1
-    assert figures.is_closed
-    assert figures.is_oriented
+    metrics = mesh_metrics(CUBE, CUBE_FACES)
+    assert metrics.area == pytest.approx(6)
+    assert metrics.volume == pytest.approx(1)
+    assert (metrics.vertices, metrics.edges, metrics.faces) == (8, 18, 12)
+    assert metrics.euler_characteristic == euler_characteristic(CUBE_FACES) == 2
+    assert metrics.components == 1
+    assert metrics.is_closed
+    assert metrics.is_oriented
 
 
 def test_turning_all_triangles_over_makes_the_volume_negative():
@@ -49,15 +49,15 @@ def test_turning_all_triangles_over_makes_the_volume_negative():
 
 
 def test_a_hole_shows_as_boundary_and_a_turned_triangle_as_inconsistent():
-    figures = mesh_metrics(CUBE, CUBE_FACES[1:])
-    assert figures.boundary_edges == 3
-    assert not figures.is_closed
+    metrics = mesh_metrics(CUBE, CUBE_FACES[1:])
+    assert metrics.boundary_edges == 3
+    assert not metrics.is_closed
     turned = CUBE_FACES.copy()
     turned[0] = turned[0, ::-1]
-    figures = mesh_metrics(CUBE, turned)
-    assert figures.inconsistent_edges == 3
-    assert figures.is_closed
-    assert not figures.is_oriented
+    metrics = mesh_metrics(CUBE, turned)
+    assert metrics.inconsistent_edges == 3
+    assert metrics.is_closed
+    assert not metrics.is_oriented
 
 
 def test_two_cubes_at_one_edge_have_a_non_manifold_edge():
@@ -65,9 +65,9 @@ def test_two_cubes_at_one_edge_have_a_non_manifold_edge():
     vertices = np.concatenate([CUBE, other])
     faces = np.concatenate([CUBE_FACES, CUBE_FACES + 8])
     _, merged = np.unique(vertices, axis=0, return_inverse=True)
-    figures = mesh_metrics(np.unique(vertices, axis=0), merged.reshape(-1)[faces])
-    assert figures.non_manifold_edges == 1
-    assert figures.components == 1
+    metrics = mesh_metrics(np.unique(vertices, axis=0), merged.reshape(-1)[faces])
+    assert metrics.non_manifold_edges == 1
+    assert metrics.components == 1
     assert mesh_metrics(vertices, faces).components == 2
 
 
@@ -76,9 +76,9 @@ def test_unused_vertices_do_not_count():
 
 
 def test_an_empty_mesh_has_zeros():
-    figures = mesh_metrics(np.empty((0, 3)), np.empty((0, 3), int))
-    assert (figures.area, figures.volume, figures.euler_characteristic, figures.components) == (0, 0, 0, 0)
-    assert figures.is_closed
+    metrics = mesh_metrics(np.empty((0, 3)), np.empty((0, 3), int))
+    assert (metrics.area, metrics.volume, metrics.euler_characteristic, metrics.components) == (0, 0, 0, 0)
+    assert metrics.is_closed
 
 
 def test_edges_are_sorted_and_balanced():
@@ -92,14 +92,14 @@ def test_figures_agree_with_trimesh(blob):
     trimesh = pytest.importorskip("trimesh")
     vertices, faces = blob
     other = trimesh.Trimesh(vertices, faces, process=False)
-    figures = mesh_metrics(vertices, faces)
-    assert figures.area == pytest.approx(other.area, rel=1e-9)
-    assert figures.volume == pytest.approx(other.volume, rel=1e-9)
-    assert figures.euler_characteristic == other.euler_number
-    assert figures.edges == len(other.edges_unique)
-    assert figures.is_closed == other.is_watertight
-    assert figures.is_oriented == other.is_winding_consistent
-    assert figures.components == len(trimesh.graph.connected_components(other.face_adjacency))
+    metrics = mesh_metrics(vertices, faces)
+    assert metrics.area == pytest.approx(other.area, rel=1e-9)
+    assert metrics.volume == pytest.approx(other.volume, rel=1e-9)
+    assert metrics.euler_characteristic == other.euler_number
+    assert metrics.edges == len(other.edges_unique)
+    assert metrics.is_closed == other.is_watertight
+    assert metrics.is_oriented == other.is_winding_consistent
+    assert metrics.components == len(trimesh.graph.connected_components(other.face_adjacency))
 
 
 def test_distances_to_triangles_agree_with_trimesh(blob):

@@ -54,9 +54,9 @@ def machine(set_up: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     monkeypatch.setattr(set_up, "LOCK", tmp_path / ".venv" / "lock")
     monkeypatch.setattr(set_up, "venv_python", lambda: tmp_path / ".venv" / "bin" / "python")
     monkeypatch.setenv("VOLVIZ_SKIP_SYSTEM", "1")
-    stand_in = Machine(tmp_path)
-    monkeypatch.setattr(set_up.subprocess, "run", stand_in.run)
-    return stand_in
+    lod_mesh = Machine(tmp_path)
+    monkeypatch.setattr(set_up.subprocess, "run", lod_mesh.run)
+    return lod_mesh
 
 
 def test_the_first_start_makes_an_environment_and_installs(set_up: ModuleType, machine: Machine) -> None:

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from volviz.custom_gl.carried_uniforms import carry
 from volviz.custom_gl.shader_source import GLSL, ShaderText, assemble
+from volviz.custom_gl.uniform_forwarding import forward_uniforms
 from volviz.errors import ShaderError
 
 VERTEX = "#version 330 core\n#line 1 0\nuniform mat4 u_m;\nin vec3 a_p;\nvoid main() {\n}\n"
 FRAGMENT = """#version 330 core
 #define SHADING 1
 #line 1 0
-uniform sampler2D t_picture;
+uniform sampler2D t_image;
 uniform mat4 u_m;     // rows
 uniform mat3 u_turn;
 uniform vec4 u_planes[6];
@@ -30,7 +30,7 @@ void main() { f_color = u_m * vec4(u_low, u_step); }
 
 
 def texts(vertex: str = VERTEX, fragment: str = FRAGMENT) -> tuple[str, str]:
-    made = carry(ShaderText(vertex, (Path("a.vert"),)), ShaderText(fragment, (Path("a.frag"),)))
+    made = forward_uniforms(ShaderText(vertex, (Path("a.vert"),)), ShaderText(fragment, (Path("a.frag"),)))
     return made[0].text, made[1].text
 
 
@@ -77,7 +77,7 @@ def test_uniforms_of_the_fragment_shader_are_declared_by_the_vertex_shader_once(
     for declaration in ("vec3 u_low", "float u_step", "bool u_jitter", "ivec2 u_axis", "mat3 u_turn"):
         assert f"uniform {declaration};" in vertex
         assert f"uniform {declaration};" not in fragment
-    for kept in ("uniform sampler2D t_picture;", "uniform vec4 u_planes[6];"):
+    for kept in ("uniform sampler2D t_image;", "uniform vec4 u_planes[6];"):
         assert kept in fragment, "samplers and arrays are not carried"
     assert "own_main()" in vertex
 

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from volviz import system_libraries
-from volviz.system_libraries import LIBRARIES, load_error, missing_packages, package_for
+from volviz.doctor import system_libraries
+from volviz.doctor.system_libraries import LIBRARIES, load_error, missing_packages, package_for
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,13 @@ from typing import Protocol
 from PySide6.QtWidgets import QMainWindow
 
 from volviz.model.store import Store
-from volviz_ui.docks import Docks
-from volviz_ui.documents import Documents
-from volviz_ui.preferences import Preferences
-from volviz_ui.surface import Surface
-from volviz_ui.theme import Theme
-from volviz_ui.views.view_area import ViewArea
-from volviz_ui.workers import Workers
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.mesh_summary import ShownMesh
+from volviz_ui.session.preferences import Preferences
+from volviz_ui.session.workers import Workers
+from volviz_ui.style.theme import Theme
+from volviz_ui.views.view_grid import ViewGrid
+from volviz_ui.widgets.docks import Docks
 
 
 class Messages(Protocol):
@@ -37,11 +37,11 @@ class AppContext:
         Parent of dialogs. Whoever wants something of it asks one of the others.
     store, documents, workers, preferences, theme
         One of each in the program.
-    views : ViewArea
+    views : ViewGrid
         The middle of the window.
     docks : Docks
         The panels around it.
-    surface : Surface
+    surface : ShownMesh
         The mesh in the active view.
     messages : Messages
         Status line and dialogs of errors.
@@ -53,7 +53,7 @@ class AppContext:
     workers: Workers
     preferences: Preferences
     theme: Theme
-    views: ViewArea
+    views: ViewGrid
     docks: Docks
-    surface: Surface
+    surface: ShownMesh
     messages: Messages

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from volviz.commands.compare import bare
+from volviz.commands.images import parse_size, transfer_function
 from volviz.commands.inputs import add_input, load_input, source_of
-from volviz.commands.pictures import parse_size, transfer_function
 from volviz.commands.progress import ProgressLine
 from volviz.errors import InputError, VolvizError
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from volviz.compare.bench import BenchCase, BenchRun
 
 SUFFIXES = (".json", ".csv")
-#: A volume that fills the picture and has empty parts, with the function that shows it well.
+#: A volume that fills the image and has empty parts, with the function that shows it well.
 SAMPLE, PRESET = "sample:mri-head", "mri"
 
 
@@ -53,8 +53,8 @@ def run(options: argparse.Namespace) -> int:
     """Measure, print a table, write the figures; 130 when stopped before the end."""
     from volviz.compare.bench import BenchRun
     from volviz.custom_gl.registry import technique
-    from volviz.model.presets import preset_for
-    from volviz.model.transfer_function import TransferFunction
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.model.transfer.presets import preset_for
 
     output = _checked_output(options.output)
     idents = [technique(ident).id for ident in _techniques(options.techniques)]

@@ -11,8 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from volviz.commands.images import parse_size, parse_values, transfer_function
 from volviz.commands.inputs import add_input, hints_of, load_input, source_of
-from volviz.commands.pictures import parse_size, parse_values, transfer_function
 from volviz.commands.progress import ProgressLine
 from volviz.errors import InputError, VolvizError
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.camera import Camera
     from volviz.model.render_spec import RenderSpec, View
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
-#: Pictures of a suite are many: small ones do.
+#: Images of a suite are many: small ones do.
 SIZE, SUITE_SIZE = "600x450", "320x240"
 #: Seconds for the frame times of each side; a suite has some two hundred of them.
-PATIENCE, SUITE_PATIENCE = 20.0, 3.0
+TIMEOUT, SUITE_TIMEOUT = 20.0, 3.0
 
 
 def add_commands(commands: Any) -> None:
@@ -67,7 +67,7 @@ def add_commands(commands: Any) -> None:
     )
     parser.add_argument(
         "--patience", type=float, metavar="SECONDS",
-        help=f"for frame times of each side, slow ones in fewer frames ({PATIENCE:g}; {SUITE_PATIENCE:g} with --suite)",
+        help=f"for frame times of each side, slow ones in fewer frames ({TIMEOUT:g}; {SUITE_TIMEOUT:g} with --suite)",
     )  # fmt: skip
     parser.add_argument(
         "--convergence",
@@ -178,14 +178,14 @@ def spec_and_view(
 ) -> tuple[RenderSpec, View]:
     """What all sides show, and from where: transfer function, light, clipping and camera from the options."""
     from volviz.custom_gl.arguments import split_values
+    from volviz.custom_gl.offscreen import background_color
     from volviz.custom_gl.registry import technique
     from volviz.model.clipping import Clipping
     from volviz.model.layers import ImageLayer
     from volviz.model.light import Light
-    from volviz.model.presets import preset_for
     from volviz.model.render_spec import RenderSpec, View
-    from volviz.model.transfer_function import TransferFunction
-    from volviz.offscreen import background_color
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.model.transfer.presets import preset_for
 
     size = parse_size(options.size or (SUITE_SIZE if options.suite else SIZE))
     function = transfer_function(options, volume)
@@ -194,7 +194,7 @@ def spec_and_view(
     infos = [technique(side.technique) for side in sides]
     shared = parse_values(infos[0], [v for v in options.values if v.split("=")[0].strip() in _shared_names()])
     # techniques with a light to be dragged show little under a light at the eye
-    light = Light(headlight=not any("light" in info.handles for info in infos))
+    light = Light(headlight=not any("light" in info.manipulators for info in infos))
     light, clipping, _ = split_values(shared, light, Clipping())
     clipping.crop_within(volume.dimensions)
     background = background_color(options.background) or (0.0, 0.0, 0.0)
@@ -203,7 +203,7 @@ def spec_and_view(
 
 
 def _camera(options: argparse.Namespace, volume: Volume, size: tuple[int, int], function: Any) -> Camera:
-    from volviz.framing import default_camera
+    from volviz.custom_gl.framing import default_camera
     from volviz.model.camera import Camera
 
     if options.camera:
@@ -287,7 +287,7 @@ def summary(comparison: Comparison) -> str:
 
 def _patience(options: argparse.Namespace) -> float:
     given: float | None = options.patience
-    return given if given is not None else SUITE_PATIENCE if options.suite else PATIENCE
+    return given if given is not None else SUITE_TIMEOUT if options.suite else TIMEOUT
 
 
 def _run_suite(options: argparse.Namespace, output: Path) -> int:
@@ -354,5 +354,5 @@ def _suite_entry(
     return ComparisonRun(
         *spec_and_view(volume, sides, options, preset), sides, frames=options.frames, matched=not options.unmatched,
         convergence=options.convergence, command=command_line(options), patience=_patience(options),
-        surface_pictures=False,
+        surface_images=False,
     )  # fmt: skip

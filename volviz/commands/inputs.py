@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from volviz.errors import InputError
 
 if TYPE_CHECKING:
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
 
 def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:

@@ -39,34 +39,34 @@ def run_info(options: argparse.Namespace) -> int:
     """Print what a file holds."""
     from volviz.io import info
 
-    told = info(source_of(options), **hints_of(options))
+    found = info(source_of(options), **hints_of(options))
     if options.json:
-        _say(json.dumps(told, indent=2))
+        _say(json.dumps(found, indent=2))
         return 0
-    unit = f" {told['unit']}" if told["unit"] else ""
-    length = f" {told['length_unit']}" if told["length_unit"] else ""
+    unit = f" {found['unit']}" if found["unit"] else ""
+    length = f" {found['length_unit']}" if found["length_unit"] else ""
     rows = [
-        ("name", told["name"]),
-        ("format", told["format"]),
-        ("voxels", " x ".join(str(n) for n in told["dims"]) + f" (x, y, z), {told['dtype']}"),
-        ("memory", f"{told['bytes'] / 2**20:.1f} MB"),
-        ("spacing", " x ".join(f"{s:g}" for s in told["spacing"]) + length),
-        ("origin", ", ".join(f"{v:g}" for v in told["origin"]) + f"{length} (LPS)"),
+        ("name", found["name"]),
+        ("format", found["format"]),
+        ("voxels", " x ".join(str(n) for n in found["dims"]) + f" (x, y, z), {found['dtype']}"),
+        ("memory", f"{found['bytes'] / 2**20:.1f} MB"),
+        ("spacing", " x ".join(f"{s:g}" for s in found["spacing"]) + length),
+        ("origin", ", ".join(f"{v:g}" for v in found["origin"]) + f"{length} (LPS)"),
         ("direction", "; ".join(
-            ", ".join(f"{v:g}" for v in told["direction"][3 * row : 3 * row + 3]) for row in range(3)
+            ", ".join(f"{v:g}" for v in found["direction"][3 * row : 3 * row + 3]) for row in range(3)
         )),
-        ("range", f"{told['range'][0]:g} to {told['range'][1]:g}{unit}"),
+        ("range", f"{found['range'][0]:g} to {found['range'][1]:g}{unit}"),
     ]  # fmt: skip
-    if "t" in told["sizes"]:
-        times = told["times"]
+    if "t" in found["sizes"]:
+        times = found["times"]
         when = "" if times is None else f", from {times[0]:g} to {times[-1]:g} s"
-        rows.append(("time points", f"{told['sizes']['t']}{when}"))
-    if "c" in told["sizes"]:
-        names = ", ".join(name for name in told["channels"] if name)
-        rows.append(("channels", f"{told['sizes']['c']}{f' ({names})' if names else ''}"))
-    if told["nonfinite"]:
-        rows.append(("not finite", f"{told['nonfinite']} values, drawn as the lowest one"))
-    rows += [("note", note) for note in told["notes"]]
+        rows.append(("time points", f"{found['sizes']['t']}{when}"))
+    if "c" in found["sizes"]:
+        names = ", ".join(name for name in found["channels"] if name)
+        rows.append(("channels", f"{found['sizes']['c']}{f' ({names})' if names else ''}"))
+    if found["nonfinite"]:
+        rows.append(("not finite", f"{found['nonfinite']} values, drawn as the lowest one"))
+    rows += [("note", note) for note in found["notes"]]
     for label, text in rows:
         _say(f"{label + ':':<12} {text}")
     return 0
@@ -110,7 +110,7 @@ def run_techniques(options: argparse.Namespace) -> int:
 
 def run_presets(options: argparse.Namespace) -> int:
     """List the presets."""
-    from volviz.model.presets import presets
+    from volviz.model.transfer.presets import presets
 
     if options.json:
         _say(json.dumps({p.id: {"label": p.label, "description": p.description, "modality": p.modality,

@@ -60,20 +60,20 @@ def run_isosurface(options: argparse.Namespace) -> int:
     from volviz.meshes.polydata import extract_isosurface, mesh_area_volume
 
     output = check_mesh_target(Path(options.output).expanduser(), overwrite=options.overwrite)
-    told = Progress(output.name)
+    progress = Progress(output.name)
     volume = load_input(options)
     mesh = extract_isosurface(
         volume, options.isovalue, method=options.method, stride=options.stride, largest_part=options.largest_part,
         min_triangles=options.min_triangles, smooth=options.smooth, decimate=options.decimate,
-        progress=told.part(0.0, 0.8),
+        progress=progress.part(0.0, 0.8),
     )  # fmt: skip
     if mesh.n_cells == 0:
         low, high = volume.range
         raise InputError(
             f"{volume.name} has no surface at {options.isovalue:g}; its values lie between {low:g} and {high:g}."
         )
-    save_mesh(mesh, output, overwrite=options.overwrite, progress=told.part(0.8, 1.0))
-    told.end()
+    save_mesh(mesh, output, overwrite=options.overwrite, progress=progress.part(0.8, 1.0))
+    progress.end()
     area, enclosed = mesh_area_volume(mesh)
     _say(f"{output}: {mesh.n_cells} triangles, {mesh.n_points} vertices, area {area:g}, volume {enclosed:g}")
     return 0
@@ -83,9 +83,11 @@ def run_crosscheck(options: argparse.Namespace) -> int:
     """Compare with VTK; the status is 1 when the meshes differ without an explanation."""
     from volviz.compare.crosscheck import crosscheck
 
-    told = Progress("cross-check")
-    report = crosscheck(load_input(options), options.isovalue, options.method, progress=told.part(0.0, 1.0))
-    told.end()
+    progress = Progress("cross-check")
+    report = crosscheck(
+        load_input(options), options.isovalue, options.method, progress=progress.part(0.0, 1.0)
+    )
+    progress.end()
     _say(report.format())
     if options.json:
         target = Path(options.json).expanduser()

@@ -1,1 +1,1 @@
-"""Comparison with VTK: matching of settings, metrics of pictures and meshes, timing, reports."""
+"""Comparison with VTK: matching of settings, metrics of images and meshes, timing, reports."""

@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from volviz.compare.machine import machine_facts, version_facts
+from volviz.compare.machine import machine_properties, version_properties
 from volviz.compare.results import plain, times_dict
 from volviz.compare.timing import Drawn, FrameTimes, Ratio, frame_timer, ratio
+from volviz.custom_gl.framing import default_camera
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.errors import InputError
-from volviz.framing import default_camera
 from volviz.model.layers import ImageLayer
 from volviz.model.render_spec import RenderSpec, View
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
 from volviz.renderer import Renderer
+from volviz.volume_data.volume import Volume
 
 #: Version of the JSON.
 SCHEMA = 1
@@ -181,8 +181,8 @@ class BenchRun:
             "schema": SCHEMA,
             "complete": self.complete,
             "volume": self._volume.name,
-            "machine": machine_facts(self._opengl),
-            "versions": version_facts(),
+            "machine": machine_properties(self._opengl),
+            "versions": version_properties(),
             "command": command,
             "results": [
                 {

@@ -1,6 +1,6 @@
 """How quickly results converge: error against a converged one over step, bisections, splats or cells of a mesh.
 
-Pictures are compared as 32-bit floats, without early termination and without jitter, so that only the discretisation
+Images are compared as 32-bit floats, without early termination and without jitter, so that only the discretisation
 is seen; meshes by their distance. An order of convergence is the slope of a straight line through the points in a
 log-log plot (least squares): 2 for the midpoint rule on continuous transfer functions, 1 where samples lie at the ends
 of their segments or the function jumps (Etiene et al. 2014).
@@ -28,14 +28,14 @@ from volviz.errors import InputError
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.parameters import make_settings
 from volviz.model.render_spec import RenderSpec, View
-from volviz.model.volume import Volume
 from volviz.renderer import Renderer
+from volviz.volume_data.volume import Volume
 
 #: Errors below this, in levels of 0..255, are rounding of 32-bit floats over many samples, not discretisation.
 ROUNDING = 2e-3
 #: Points of each mesh from which distances are taken.
 MESH_SAMPLES = 100_000
-#: Pixels of the picture whose distance from the integral with shadow rays is told: every ray needs many of them. They
+#: Pixels of the image whose distance from the integral with shadow rays is told: every ray needs many of them. They
 #: become fewer where the volume's diagonal is longer than so many voxels.
 INTEGRAL_PIXELS, INTEGRAL_DIAGONAL = 80 * 60, 400.0
 #: Step of its rays and shadow rays, in voxels of the smallest spacing.
@@ -58,7 +58,7 @@ class Convergence:
     distances : tuple of floats
         What the errors are plotted over, in voxels of the smallest spacing; see `axis`.
     errors, max_errors : tuple of floats
-        Of pictures: root of the mean squared difference, and largest difference, in levels of 0..255. Of meshes: mean
+        Of images: root of the mean squared difference, and largest difference, in levels of 0..255. Of meshes: mean
         and largest distance in voxels of the smallest spacing.
     slope : float
         Fitted order of convergence; NaN with fewer than two errors above rounding.
@@ -67,18 +67,18 @@ class Convergence:
     reference : str
         What was taken as converged, in words.
     offset : float or None
-        How far the converged picture is from that of another, better known model, in levels (RMS); None where it is
+        How far the converged image is from that of another, better known model, in levels (RMS); None where it is
         that one, or where there is none.
     offset_from : str
         That model in words; empty without an offset.
     axis : str
         What the distances are, in words.
     finest : float
-        Distance of the converged picture, where it counts: errors are then c * (distance^p - finest^p).
+        Distance of the converged image, where it counts: errors are then c * (distance^p - finest^p).
     unit : {"levels of 255", "voxels"}
         Of the errors.
     size : tuple of 2 ints
-        Pixels of the pictures that were compared; (0, 0) for meshes.
+        Pixels of the images that were compared; (0, 0) for meshes.
     """
 
     name: str
@@ -112,7 +112,7 @@ class ConvergenceRun:
     spec : RenderSpec
         What is shown: layers, light and clipping.
     view : View
-        From where, with a camera; pictures larger than the study allows are made smaller in proportion.
+        From where, with a camera; images larger than the study allows are made smaller in proportion.
     name, technique : str
         Name for the result, and id of the technique.
     settings : mapping, optional
@@ -123,7 +123,7 @@ class ConvergenceRun:
     Raises
     ------
     InputError
-        The technique has nothing that its pictures converge with.
+        The technique has nothing that its images converge with.
     """
 
     def __init__(
@@ -149,12 +149,12 @@ class ConvergenceRun:
         self.result: Convergence | None = None
 
     def steps(self) -> Generator[float, None, None]:
-        """Work; gives the finished fraction, 0..1, after every picture or mesh. `result` stands at the end."""
-        return self._meshes() if self._study.parameter == "stride" else self._pictures()
+        """Work; gives the finished fraction, 0..1, after every image or mesh. `result` stands at the end."""
+        return self._meshes() if self._study.parameter == "stride" else self._images()
 
-    # ------------------------------------------------------------------------------------ pictures
+    # ------------------------------------------------------------------------------------ images
 
-    def _pictures(self) -> Generator[float, None, None]:
+    def _images(self) -> Generator[float, None, None]:
         how, total = self._study, len(self._study.values) + 2
         truth, words = self._converged()
         yield 1 / total
@@ -166,7 +166,7 @@ class ConvergenceRun:
                 spec = self._drawn_by(
                     self._info.id, self._settings | {how.parameter: self._as_setting(value)}
                 )
-                difference = 255.0 * np.abs(_picture(renderer, spec, self._view) - truth)
+                difference = 255.0 * np.abs(_image(renderer, spec, self._view) - truth)
                 distances.append(self._distance(spec))
                 errors.append(float(np.sqrt(np.mean(difference**2))))
                 largest.append(float(difference.max()))
@@ -185,7 +185,7 @@ class ConvergenceRun:
             words = f"{technique} with a splat at every voxel"
         else:
             words = f"{technique} with {self._study.parameter} = {best:g}"
-        return self._picture(technique, given), words
+        return self._image(technique, given), words
 
     def _offset(self, truth: npt.NDArray[np.float64]) -> tuple[float | None, str]:
         """Distance of a technique's own limit from what it stands for, and what that is in words."""
@@ -196,7 +196,7 @@ class ConvergenceRun:
             spec = self._drawn_by(self._info.id, self._settings | {"step": best})
             scene = oracle_scene(spec, view, INTEGRAL_STEP)
             with Renderer(view.size) as renderer:
-                drawn = _picture(renderer, spec, view)
+                drawn = _image(renderer, spec, view)
                 if renderer.notice or not self._study.is_exact(scene, spec.settings):
                     return None, ""
             rgba = self._info.oracle(scene, spec.settings)
@@ -205,7 +205,7 @@ class ConvergenceRun:
         if self._study.beside:
             other = self._study.beside
             given = _settings_of(other, self._settings) | {"step": best}
-            return _rms(truth - self._picture(other, given)), f"{other} with step = {best:g}"
+            return _rms(truth - self._image(other, given)), f"{other} with step = {best:g}"
         return None, ""
 
     def _drawn_by(self, technique: str, values: Mapping[str, Any]) -> RenderSpec:
@@ -213,9 +213,9 @@ class ConvergenceRun:
         settings = make_settings(technique_info(technique).settings, values, owner=technique)
         return self._spec.drawn_by(technique, settings)
 
-    def _picture(self, technique: str, values: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+    def _image(self, technique: str, values: Mapping[str, Any]) -> npt.NDArray[np.float64]:
         with Renderer(self._view.size) as renderer:
-            return _picture(renderer, self._drawn_by(technique, values), self._view)
+            return _image(renderer, self._drawn_by(technique, values), self._view)
 
     def _as_setting(self, value: float | None) -> Any:
         whole = value is not None and self._study.parameter != "step"
@@ -287,7 +287,7 @@ def why_not(info: TechniqueInfo) -> str:
     """Why a technique for which there is no study has no order of convergence, in a sentence."""
     if info.study is not None:
         return f"{info.id} has no order of convergence here: the volume has too few voxels to leave some out."
-    if "plane" in info.handles:
+    if "plane" in info.manipulators:
         return f"{info.id} looks its surface up once a pixel: there is nothing in its picture to refine."
     return f"{info.id} has no setting whose refinement its picture is known to converge with."
 
@@ -302,7 +302,7 @@ def fitted_line(
     distances, errors : sequences of floats
         Above 0; points at or below `least` are left out.
     finest : float, default: 0.0
-        Where the errors were taken against the picture at this distance instead of the limit, they are
+        Where the errors were taken against the image at this distance instead of the limit, they are
         c * (distance^p - finest^p): fitted that way, a short series has the order of a long one.
     least : float, default: 0.0
         Errors that are rounding.
@@ -363,7 +363,7 @@ def cropped_to(volume: Volume, cells: int) -> Volume:
     )  # fmt: skip
 
 
-def _picture(renderer: Renderer, spec: RenderSpec, view: View) -> npt.NDArray[np.float64]:
+def _image(renderer: Renderer, spec: RenderSpec, view: View) -> npt.NDArray[np.float64]:
     """Red, green and blue over the view's background, shape (H, W, 3), 0..1."""
     return np.asarray(renderer.draw(spec, view, dtype="float32")[..., :3], np.float64)
 

@@ -25,7 +25,7 @@ from volviz.kernels.marching.surface import clean_mesh
 from volviz.kernels.mesh_metrics import MeshMetrics, mesh_metrics
 
 if TYPE_CHECKING:
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
 _OURS = "ours"
 #: Name of the run of Flying Edges on all processors.

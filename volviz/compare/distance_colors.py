@@ -100,17 +100,20 @@ def colors_of(spec: RenderSpec, volumes: Volumes | None = None) -> SurfaceColors
     InputError
         One of the two draws no triangles.
     """
-    wish = spec.surface_colors
-    assert isinstance(wish, DistanceColoring)
+    request = spec.surface_colors
+    assert isinstance(request, DistanceColoring)
     meshes = []
-    for side in (spec.drawn_by(spec.technique, spec.settings), spec.drawn_by(wish.technique, wish.settings)):
+    for side in (
+        spec.drawn_by(spec.technique, spec.settings),
+        spec.drawn_by(request.technique, request.settings),
+    ):
         shown = resolve(side, volumes)
         mesh = drawn_mesh(shown.volume, shown.info.id, setting_values(shown.settings))
         if mesh is None:
             raise InputError(f"{shown.info.id} draws no mesh, so there is no distance to colour by.")
         meshes.append(mesh)
-    maps = distance_maps(meshes[0], meshes[1], signed=wish.signed)
-    return distance_colors(maps, shown.volume.spacing, wish.limit).first
+    maps = distance_maps(meshes[0], meshes[1], signed=request.signed)
+    return distance_colors(maps, shown.volume.spacing, request.limit).first
 
 
 @cache

@@ -25,8 +25,8 @@ Mesh = tuple[npt.ArrayLike, npt.ArrayLike]
 SIGN_SHARE = 0.1
 
 
-class _Figures(NamedTuple):
-    """What is told of the distances of all samples, without their signs."""
+class _Metrics(NamedTuple):
+    """What is reported of the distances of all samples, without their signs."""
 
     samples: int
     maximum: float
@@ -70,16 +70,16 @@ class DistanceMap:
         )
 
     def prepare(self) -> None:
-        """Do now, on a worker, what figures and colours would need time for when they are asked for."""
+        """Do now, on a worker, what metrics and colours would need time for when they are asked for."""
         self.values.prepare()
-        _ = self._figures, self.rounding
+        _ = self._metrics, self.rounding
 
     @cached_property
-    def _figures(self) -> _Figures:
+    def _metrics(self) -> _Metrics:
         used = np.bincount(self.values.faces.ravel(), minlength=len(self.at_vertices)) > 0
         at_vertices, at_middles = np.abs(self.at_vertices[used]), np.abs(self.at_middles)
         sizes = np.concatenate([at_vertices, at_middles]).astype(np.float64)
-        return _Figures(
+        return _Metrics(
             len(sizes),
             float(sizes.max()),
             float(at_vertices.max()),
@@ -90,27 +90,27 @@ class DistanceMap:
     @property
     def samples(self) -> int:
         """How many places were measured: vertices that a triangle uses, and middles of triangles."""
-        return self._figures.samples
+        return self._metrics.samples
 
     @property
     def maximum(self) -> float:
         """Largest distance, without its sign, of all samples."""
-        return self._figures.maximum
+        return self._metrics.maximum
 
     @property
     def maximum_at_vertices(self) -> float:
         """Largest distance of a vertex, without its sign."""
-        return self._figures.maximum_at_vertices
+        return self._metrics.maximum_at_vertices
 
     @property
     def mean(self) -> float:
         """Mean of the distances without their signs."""
-        return self._figures.mean
+        return self._metrics.mean
 
     @property
     def rms(self) -> float:
         """Root of the mean square of the distances."""
-        return self._figures.rms
+        return self._metrics.rms
 
     @cached_property
     def rounding(self) -> float:
@@ -159,8 +159,8 @@ def distance_maps(
     return forward, backward
 
 
-def distance_figures(maps: tuple[DistanceMap, DistanceMap]) -> SurfaceDistance:
-    """The figures of both surfaces, from all samples."""
+def distance_metrics(maps: tuple[DistanceMap, DistanceMap]) -> SurfaceDistance:
+    """The metrics of both surfaces, from all samples."""
     forward, backward = maps
     return SurfaceDistance(
         hausdorff=max(forward.maximum, backward.maximum),
@@ -231,8 +231,8 @@ def _map(
     # of the surface that is asked for its sides, vertices at one place are one
     tree = SurfaceTree(*((orientation.vertices, orientation.faces) if orientation is not None else other))
     share = 1.0 if orientation is None else 1.0 - SIGN_SHARE
-    tell = None if progress is None else lambda part: progress(share * part)
-    distances, nearest = tree.nearest(points, progress=tell, cancel=cancel)
+    report = None if progress is None else lambda part: progress(share * part)
+    distances, nearest = tree.nearest(points, progress=report, cancel=cancel)
     if orientation is not None:
         distances = distances * orientation.signs(points, nearest)
     if progress is not None:

@@ -10,11 +10,11 @@ from pathlib import Path
 from volviz import __version__
 from volviz.kernels.threads import worker_count
 
-#: Packages whose version may matter to a picture or to a time.
+#: Packages whose version may matter to an image or to a time.
 PACKAGES = ("numpy", "numba", "scipy", "vtk", "pyvista", "moderngl")
 
 
-def machine_facts(renderer: str = "") -> dict[str, str]:
+def machine_properties(renderer: str = "") -> dict[str, str]:
     """Processor, memory, system and graphics in words.
 
     Parameters
@@ -22,25 +22,25 @@ def machine_facts(renderer: str = "") -> dict[str, str]:
     renderer : str
         What OpenGL says of itself; left out when empty.
     """
-    facts = {
+    found = {
         "processor": f"{processor_name()}, {worker_count()} of {os.cpu_count() or 1} logical processors in use",
         "memory": memory_size(),
         "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
         "graphics": renderer,
     }
-    return {name: text for name, text in facts.items() if text}
+    return {name: text for name, text in found.items() if text}
 
 
-def version_facts() -> dict[str, str]:
+def version_properties() -> dict[str, str]:
     """Versions of VolViz, Python and the packages that draw and compute."""
-    facts = {"volviz": __version__, "python": platform.python_version()}
+    found = {"volviz": __version__, "python": platform.python_version()}
     for name in PACKAGES:
         try:
-            facts[name] = importlib.metadata.version(name)
+            found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             # a package may be there without its records, as in a frozen program
-            facts[name] = "unknown"
-    return facts
+            found[name] = "unknown"
+    return found
 
 
 def processor_name() -> str:

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from volviz.kernels.marching.cube import boundary_loops
 
 if TYPE_CHECKING:
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
 Array = npt.NDArray[Any]
 Mesh = tuple[Array, Array]

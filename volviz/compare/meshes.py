@@ -1,4 +1,4 @@
-"""The mesh that a side of a comparison shows, for the figures of meshes."""
+"""The mesh that a side of a comparison shows, for the metrics of meshes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from volviz.kernels.marching.surface import clean_mesh
 from volviz.meshes.extraction import extract_triangles
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.parameters import make_settings
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 Mesh = tuple[npt.NDArray[Any], npt.NDArray[Any]]
 

@@ -100,7 +100,7 @@ class _LogFrame:
         return parts
 
     def line_of(self, found: Convergence, color: str) -> list[str]:
-        """The fitted error: a straight line, bent down where the converged picture is not much finer."""
+        """The fitted error: a straight line, bent down where the converged image is not much finer."""
         least = ROUNDING if found.unit == LEVELS else 0.0
         fitted = [d for d, e in zip(found.distances, found.errors, strict=True) if e > least]
         if math.isnan(found.slope) or not fitted:

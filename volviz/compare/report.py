@@ -72,14 +72,14 @@ def check_report_name(path: str | Path) -> Path:
 
 
 def html_report(comparisons: Sequence[Comparison], notes: Sequence[str] = ()) -> str:
-    """One page with pictures, differences, tables and plots; nothing outside it is needed."""
+    """One page with images, differences, tables and plots; nothing outside it is needed."""
     return page(comparisons, notes)
 
 
 def json_report(comparisons: Sequence[Comparison]) -> str:
     """The figures as JSON: an object, or a list of them for several comparisons.
 
-    Numbers that JSON cannot hold are null: the PSNR of equal pictures is infinite.
+    Numbers that JSON cannot hold are null: the PSNR of equal images is infinite.
     """
     data: Any = [comparison.to_dict() for comparison in comparisons]
     return json.dumps(data[0] if len(data) == 1 else data, indent=2, ensure_ascii=False) + "\n"
@@ -100,14 +100,14 @@ def _rows(comparison: Comparison) -> Iterator[tuple[str, str, str, str, Any]]:
     for side in comparison.sides:
         data = side_dict(side)
         for kind in ("times", "samples_per_ray", "mesh", "settings"):
-            for figure, value in _flat(data[kind] or {}):
-                yield kind, side.name, "", figure, value
+            for metric, value in _flat(data[kind] or {}):
+                yield kind, side.name, "", metric, value
     for pair in comparison.pairs:
         data = pair_dict(comparison, pair)
-        for figure, value in _flat(
+        for metric, value in _flat(
             {k: v for k, v in data.items() if k not in ("first", "second", "differences")}
         ):
-            yield "pair", pair.first, pair.second, figure, value
+            yield "pair", pair.first, pair.second, metric, value
         for sentence in pair.differences:
             yield "difference", pair.first, pair.second, "", sentence
     for found in comparison.convergence:
@@ -130,8 +130,8 @@ def _rows(comparison: Comparison) -> Iterator[tuple[str, str, str, str, Any]]:
     for sentence in comparison.notes:
         yield "note", "", "", "", sentence
     for group in ("machine", "versions"):
-        for figure, value in getattr(comparison, group).items():
-            yield group, "", "", figure, value
+        for metric, value in getattr(comparison, group).items():
+            yield group, "", "", metric, value
     yield "command", "", "", "", comparison.command
 
 

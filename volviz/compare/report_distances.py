@@ -1,16 +1,16 @@
-"""The part of a report that tells how far surfaces lie apart: figures each way, and both in colours."""
+"""The part of a report that tells how far surfaces lie apart: metrics each way, and both in colours."""
 
 from __future__ import annotations
 
 from html import escape
 
-from volviz.compare.distance_pictures import DistancePictures
+from volviz.compare.distance_images import DistanceImages
 from volviz.compare.report_html import color_bar, figure, table
 from volviz.compare.results import Comparison, PairResult
 
 
 def distances(comparison: Comparison) -> list[str]:
-    """A table of distances each way, and the pictures of the pairs that have them."""
+    """A table of distances each way, and the images of the pairs that have them."""
     unit = length_unit(comparison)
     rows = []
     for pair in comparison.pairs:
@@ -33,8 +33,8 @@ def distances(comparison: Comparison) -> list[str]:
         table(heads, rows, 2),
     ]
     for pair in comparison.pairs:
-        if pair.distance_pictures is not None:
-            parts += _pictures(pair, pair.distance_pictures, unit)
+        if pair.distance_images is not None:
+            parts += _images(pair, pair.distance_images, unit)
     return parts
 
 
@@ -43,7 +43,7 @@ def length_unit(comparison: Comparison) -> str:
     return escape(str(comparison.volume.get("length_unit") or "world units"))
 
 
-def _pictures(pair: PairResult, shown: DistancePictures, unit: str) -> list[str]:
+def _images(pair: PairResult, shown: DistanceImages, unit: str) -> list[str]:
     heading = f"<h3>Distance of {escape(pair.first)} and {escape(pair.second)}</h3>"
     low = f"\N{MINUS SIGN}{shown.limit:.3g}" if shown.is_signed else "0"
     beyond = "≥ " if shown.largest > shown.limit * (1 + 1e-9) else ""
@@ -60,17 +60,17 @@ def _pictures(pair: PairResult, shown: DistancePictures, unit: str) -> list[str]
         '<div class="pictures">',
         *(
             figure(
-                picture,
+                image,
                 f"{name} in the colours of its distance to {other}",
                 f"<b>{escape(name)}</b> by its distance to {escape(other)}{'' if shown.are_same else bar}",
             )
-            for picture, name, other in sides
+            for image, name, other in sides
         ),
         "</div>",
     ]
 
 
-def _words(shown: DistancePictures, unit: str) -> str:
+def _words(shown: DistanceImages, unit: str) -> str:
     if shown.are_same:
         return "No distance: the surfaces are the same."
     if shown.are_vertices_same:

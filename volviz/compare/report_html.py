@@ -54,7 +54,7 @@ def without_empty(heads: list[str], rows: list[list[str]]) -> list[list[str]]:
     return [[cell for i, cell in enumerate(row) if i not in empty] for row in rows]
 
 
-def facts(values: Mapping[str, Any]) -> str:
+def properties(values: Mapping[str, Any]) -> str:
     """A table of names and values."""
     return table([], [[escape(str(name)), escape(str(value))] for name, value in values.items()])
 
@@ -77,10 +77,10 @@ def plot(svg: str) -> str:
     return f'<div class="wide plot">{svg}</div>'
 
 
-def figure(picture: npt.NDArray[np.uint8], alternative: str, caption: str) -> str:
-    """A picture with a caption; `alternative` is for those who cannot see it."""
+def figure(image: npt.NDArray[np.uint8], alternative: str, caption: str) -> str:
+    """An image with a caption; `alternative` is for those who cannot see it."""
     return (
-        f'<figure><img alt="{escape(alternative)}" src="{data_uri(picture)}">'
+        f'<figure><img alt="{escape(alternative)}" src="{data_uri(image)}">'
         f"<figcaption>{caption}</figcaption></figure>"
     )
 
@@ -92,10 +92,10 @@ def color_bar(colors: npt.NDArray[np.uint8], low: str, high: str, words: str) ->
     )  # fmt: skip
 
 
-def data_uri(picture: npt.NDArray[np.uint8]) -> str:
-    """A picture of shape (H, W, 3) within the page, as PNG."""
+def data_uri(image: npt.NDArray[np.uint8]) -> str:
+    """An image of shape (H, W, 3) within the page, as PNG."""
     from PIL import Image
 
     file = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(picture)).save(file, "PNG", optimize=True)
+    Image.fromarray(np.ascontiguousarray(image)).save(file, "PNG", optimize=True)
     return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode()

@@ -1,4 +1,4 @@
-"""The HTML page of a report: pictures as data in the page, plots as SVG, light and dark."""
+"""The HTML page of a report: images as data in the page, plots as SVG, light and dark."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from html import escape
 from pathlib import Path
 
 from volviz.compare.convergence import LEVELS, Convergence
-from volviz.compare.pictures import Difference, color_table
+from volviz.compare.image_metrics import Difference, color_table
 from volviz.compare.plots import convergence_plot, times_plot
 from volviz.compare.report_distances import distances, length_unit
 from volviz.compare.report_html import (
     bullets,
     color_bar,
-    facts,
     figure,
     plot,
+    properties,
     table,
     tiles,
     without_empty,
@@ -65,8 +65,8 @@ def page(comparisons: Sequence[Comparison], notes: Sequence[str] = ()) -> str:
     parts += [
         "<h2>Machine and versions</h2>",
         '<div class="columns">',
-        facts(last.machine),
-        facts(last.versions),
+        properties(last.machine),
+        properties(last.versions),
     ]
     parts += ["</div>", "<h2>How this was made</h2>", bullets(last.remarks)]
     for command in dict.fromkeys(c.command for c in comparisons if c.command):
@@ -136,7 +136,7 @@ def _side_figure(side: SideResult) -> str:
         caption += f" · {_milliseconds(side.times.median)}"
     if side.notice:
         caption += f"<br>{escape(side.notice)}"
-    return figure(side.picture, f"drawn by {side.name}", caption)
+    return figure(side.image, f"drawn by {side.name}", caption)
 
 
 def _pair_table(comparison: Comparison) -> str:
@@ -175,12 +175,12 @@ def _pair(pair: PairResult) -> list[str]:
         f"<h3>{escape(pair.first)} against {escape(pair.second)}</h3>",
         '<div class="pictures">',
         figure(
-            pair.difference.picture, f"difference of {name}",
+            pair.difference.image, f"difference of {name}",
             f"Absolute difference of luminance, in levels of 255; the largest difference of a channel lies at pixel "
             f"{column}, {row}.{bar}",
         ),
         figure(
-            pair.dissimilarity.picture, f"lost similarity of {name}",
+            pair.dissimilarity.image, f"lost similarity of {name}",
             f"1 - structural similarity: black is equal; the mean "
             f"similarity is {pair.metrics.ssim:.5f}.{_bar(pair.dissimilarity, 'of similarity')}",
         ),
@@ -340,7 +340,7 @@ def _view(comparison: Comparison) -> str:
     data = json.dumps(comparison.to_dict()["transfer_function"], separators=(",", ":"))
     uri = "data:application/json;base64," + base64.b64encode(data.encode()).decode()
     link = f'<p><a download="transfer-function.json" href="{uri}">Transfer function as JSON</a></p>'
-    return "<h3>View</h3>" + facts({key: value_text(value, 6) for key, value in view.items()}) + link
+    return "<h3>View</h3>" + properties({key: value_text(value, 6) for key, value in view.items()}) + link
 
 
 def _ratio(comparison: Comparison, pair: PairResult) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.compare.pictures import Difference, PictureMetrics
+from volviz.compare.image_metrics import Difference, ImageMetrics
 from volviz.compare.samples import RaySamples
 from volviz.compare.surface_distance import SurfaceDistance
 from volviz.compare.timing import FrameTimes, ratio
@@ -19,7 +19,7 @@ from volviz.kernels.mesh_metrics import MeshMetrics
 
 if TYPE_CHECKING:
     from volviz.compare.convergence import Convergence
-    from volviz.compare.distance_pictures import DistancePictures
+    from volviz.compare.distance_images import DistanceImages
 
 #: Version of the JSON that `Comparison.to_dict` gives.
 SCHEMA = 1
@@ -37,7 +37,7 @@ class SideResult:
         Its id, and what people call it.
     settings : mapping
         All settings as they were used, as plain data.
-    picture : ndarray of shape (H, W, 3), uint8
+    image : ndarray of shape (H, W, 3), uint8
     times : FrameTimes or None
         None where times would say nothing.
     samples : RaySamples or None
@@ -45,14 +45,14 @@ class SideResult:
     mesh : MeshMetrics or None
         None for techniques that draw no mesh.
     notice : str
-        What the picture shows differently from what was asked for; mostly empty.
+        What the image shows differently from what was asked for; mostly empty.
     """
 
     name: str
     technique: str
     label: str
     settings: Mapping[str, Any]
-    picture: npt.NDArray[np.uint8]
+    image: npt.NDArray[np.uint8]
     times: FrameTimes | None = None
     samples: RaySamples | None = None
     mesh: MeshMetrics | None = None
@@ -67,7 +67,7 @@ class PairResult:
     ----------
     first, second : str
         Names of the sides.
-    metrics : PictureMetrics
+    metrics : ImageMetrics
     difference : Difference
         The absolute difference of luminance, drawn.
     dissimilarity : Difference
@@ -76,18 +76,18 @@ class PairResult:
         What the two do differently, a sentence each.
     distance : SurfaceDistance or None
         Between the meshes of both.
-    distance_pictures : DistancePictures or None
+    distance_images : DistanceImages or None
         Both meshes in the colours of that distance.
     """
 
     first: str
     second: str
-    metrics: PictureMetrics
+    metrics: ImageMetrics
     difference: Difference
     dissimilarity: Difference
     differences: tuple[str, ...] = ()
     distance: SurfaceDistance | None = None
-    distance_pictures: DistancePictures | None = None
+    distance_images: DistanceImages | None = None
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class Comparison:
         return next(side for side in self.sides if side.name == name)
 
     def to_dict(self) -> dict[str, Any]:
-        """All figures as plain data for JSON; pictures are left out."""
+        """All figures as plain data for JSON; images are left out."""
         return {
             "schema": SCHEMA,
             "title": self.title,
@@ -211,7 +211,7 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def picture_pairs(names: Sequence[str], oracles: Sequence[str] = ()) -> list[tuple[str, str]]:
+def image_pairs(names: Sequence[str], oracles: Sequence[str] = ()) -> list[tuple[str, str]]:
     """Which sides are set against each other.
 
     All pairs of up to four; of more, everyone against the first and against the oracles.

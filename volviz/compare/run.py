@@ -1,4 +1,4 @@
-"""A comparison from beginning to end: pictures, times, differences, meshes, convergence, piece by piece."""
+"""A comparison from beginning to end: images, times, differences, meshes, convergence, piece by piece."""
 
 from __future__ import annotations
 
@@ -12,32 +12,32 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.compare.convergence import Convergence, ConvergenceRun, study, why_not
-from volviz.compare.distance_map import distance_figures, distance_maps
-from volviz.compare.distance_pictures import DistancePictures, distance_pictures
-from volviz.compare.machine import machine_facts, version_facts
-from volviz.compare.matching import MatchedSide, match_sides, settings_differences
-from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
-from volviz.compare.pictures import (
+from volviz.compare.distance_images import DistanceImages, distance_images
+from volviz.compare.distance_map import distance_maps, distance_metrics
+from volviz.compare.image_metrics import (
     COLORED_SHARE,
     Difference,
-    compare_pictures,
+    compare_images,
     difference_image,
     dissimilarity_image,
     ssim_map,
 )
-from volviz.compare.results import Comparison, PairResult, SideResult, picture_pairs
+from volviz.compare.machine import machine_properties, version_properties
+from volviz.compare.matching import MatchedSide, match_sides, settings_differences
+from volviz.compare.meshes import Mesh, cleaned, drawn_mesh
+from volviz.compare.results import Comparison, PairResult, SideResult, image_pairs
 from volviz.compare.samples import ray_samples
 from volviz.compare.surface_distance import SurfaceDistance, surface_distance
 from volviz.compare.timing import Drawn, FrameTimes, frame_timer
+from volviz.custom_gl.framing import default_camera
 from volviz.custom_gl.registry import technique
 from volviz.custom_gl.resolve import resolve
 from volviz.errors import InputError
-from volviz.framing import default_camera
 from volviz.kernels.mesh_metrics import mesh_metrics
 from volviz.model.parameters import Parameter, setting_values
 from volviz.model.render_spec import RenderSpec, View
-from volviz.model.volume import Volume
 from volviz.renderer import Renderer
+from volviz.volume_data.volume import Volume
 
 #: Seconds for the frame times of each side.
 TIMING_SECONDS = 20.0
@@ -67,14 +67,14 @@ class Side:
 
 
 class ComparisonRun:
-    """Compares techniques on one view; each step of `steps` is a picture, a frame or a figure.
+    """Compares techniques on one view; each step of `steps` is an image, a frame or a figure.
 
     Parameters
     ----------
     spec : RenderSpec
         What all sides show: layers, light and clipping.
     view : View
-        From where; without a background the pictures are compared over black.
+        From where; without a background the images are compared over black.
     sides : sequence of Side
         At least two.
     frames : int, default: 7
@@ -83,7 +83,7 @@ class ComparisonRun:
         Give VTK's techniques the settings of ours, and ours what VTK's cannot do otherwise.
     convergence : bool, default: False
         Also draw each side at several steps or bisections.
-    surface_pictures : bool, default: True
+    surface_images : bool, default: True
         Also draw meshes in the colours of their distance to each other.
     distance_limit : float, optional
         Distance of the strongest colour, in world units; the default is the largest one of the pair.
@@ -107,7 +107,7 @@ class ComparisonRun:
         frames: int = 7,
         matched: bool = True,
         convergence: bool = False,
-        surface_pictures: bool = True,
+        surface_images: bool = True,
         distance_limit: float | None = None,
         title: str = "",
         command: str = "",
@@ -127,7 +127,7 @@ class ComparisonRun:
         self._frames = frames
         self._patience = patience
         self._convergence = convergence
-        self._surface_pictures = surface_pictures
+        self._surface_images = surface_images
         self._distance_limit = distance_limit
         names = [side.name for side in self._sides]
         self._title = title or f"{', '.join(names[:-1])} and {names[-1]} on {self._volume.name}"
@@ -162,9 +162,9 @@ class ComparisonRun:
                 times = timer.times
         for side in self._sides:
             yield 0.6, f"measuring the mesh of {side.name}"
-            results[side.name] = self._with_figures(results[side.name], times.get(side.name))
+            results[side.name] = self._with_metrics(results[side.name], times.get(side.name))
         pairs = []
-        for first, second in picture_pairs(
+        for first, second in image_pairs(
             list(results), [s.name for s in self._sides if technique(s.technique).is_oracle]
         ):
             yield 0.7, f"comparing {first} and {second}"
@@ -201,13 +201,13 @@ class ComparisonRun:
         info = technique(side.technique)
         values = setting_values(side.settings)
         settings = {p.name: shown_value(p, values[p.name]) for p in info.parameters}
-        picture = drawn.renderer.draw(drawn.spec, self._view)[..., :3]
+        image = drawn.renderer.draw(drawn.spec, self._view)[..., :3]
         return SideResult(
-            side.name, side.technique, info.label, settings, picture,
+            side.name, side.technique, info.label, settings, image,
             samples=ray_samples(drawn.spec, self._view), notice=drawn.renderer.notice,
         )  # fmt: skip
 
-    def _with_figures(self, side: SideResult, times: FrameTimes | None) -> SideResult:
+    def _with_metrics(self, side: SideResult, times: FrameTimes | None) -> SideResult:
         mesh = drawn_mesh(self._volume, side.technique, side.settings)
         if mesh is not None:
             self._meshes[side.name] = mesh
@@ -218,32 +218,32 @@ class ComparisonRun:
         for side in (first, second):
             other = second if side is first else first
             words += [s for s in self._matched(side.name).differences.get(other.name, ()) if s not in words]
-        distance, pictures = self._distance(first.name, second.name)
+        distance, images = self._distance(first.name, second.name)
         return PairResult(
             first.name,
             second.name,
-            compare_pictures(first.picture, second.picture),
-            _shown_difference(first.picture, second.picture),
-            dissimilarity_image(ssim_map(first.picture, second.picture)),
+            compare_images(first.image, second.image),
+            _shown_difference(first.image, second.image),
+            dissimilarity_image(ssim_map(first.image, second.image)),
             tuple(words),
             distance,
-            pictures,
+            images,
         )
 
     def _matched(self, name: str) -> MatchedSide:
         return next(side for side in self._sides if side.name == name)
 
-    def _distance(self, first: str, second: str) -> tuple[SurfaceDistance | None, DistancePictures | None]:
-        """How far two meshes lie apart, and pictures of it where they are wanted."""
+    def _distance(self, first: str, second: str) -> tuple[SurfaceDistance | None, DistanceImages | None]:
+        """How far two meshes lie apart, and images of it where they are wanted."""
         a, b = self._meshes.get(first), self._meshes.get(second)
         if a is None or b is None or not len(a[1]) or not len(b[1]):
             return None, None
-        if not self._surface_pictures:
+        if not self._surface_images:
             return surface_distance(cleaned(a), cleaned(b)), None
         maps = distance_maps(a, b)
         one, other = self._matched(first), self._matched(second)
         specs = (self._spec_of(one), self._spec_of(other))
-        return distance_figures(maps), distance_pictures(specs, self._view, maps, self._distance_limit)
+        return distance_metrics(maps), distance_images(specs, self._view, maps, self._distance_limit)
 
     def _converge(self, found: list[Convergence]) -> Iterator[tuple[float, str]]:
         able = [s for s in self._sides if study(technique(s.technique), self._volume) is not None]
@@ -272,13 +272,13 @@ class ComparisonRun:
     ) -> Comparison:
         return Comparison(
             title=self._title,
-            volume=volume_facts(self._volume),
-            view=view_facts(self._spec, self._view),
+            volume=volume_properties(self._volume),
+            view=view_properties(self._spec, self._view),
             sides=sides,
             pairs=pairs,
             transfer_function=self._function.to_dict(),
-            machine=machine_facts(renderer),
-            versions=version_facts(),
+            machine=machine_properties(renderer),
+            versions=version_properties(),
             convergence=orders,
             without_curve=self._without_curve(),
             command=self._command,
@@ -308,7 +308,7 @@ def compare(spec: RenderSpec, view: View, sides: Sequence[Side], **options: Any)
     return run.result
 
 
-def volume_facts(volume: Volume) -> dict[str, Any]:
+def volume_properties(volume: Volume) -> dict[str, Any]:
     """What a volume is, without where it lies."""
     return {
         "name": volume.name,
@@ -321,7 +321,7 @@ def volume_facts(volume: Volume) -> dict[str, Any]:
     }
 
 
-def view_facts(spec: RenderSpec, view: View) -> dict[str, Any]:
+def view_properties(spec: RenderSpec, view: View) -> dict[str, Any]:
     """Camera, size, light and clipping as plain data."""
     camera, light = view.camera, spec.light
     assert camera is not None

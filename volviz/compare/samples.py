@@ -13,16 +13,16 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.resolve import resolve
-from volviz.kernels.reference_rays import box_interval, index_limits, plane_interval
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.parameters import setting_values
 from volviz.model.render_spec import RenderSpec, View
-from volviz.model.volume import Volume
+from volviz.reference.rays import box_interval, index_limits, plane_interval
+from volviz.volume_data.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
 
-#: At most so many rays are looked at, evenly over the picture.
+#: At most so many rays are looked at, evenly over the image.
 MOST_RAYS = 40_000
 
 
@@ -35,7 +35,7 @@ class RaySamples:
     mean, maximum : float
         Samples of a ray.
     hit_share : float
-        Share of the picture's rays that meet the box, 0..1.
+        Share of the image's rays that meet the box, 0..1.
     distance : float
         Between samples, in world units: along the ray, or between slices.
     """

@@ -9,7 +9,7 @@ from volviz.custom_gl.registry import families
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.io import load
 from volviz.io.samples import samples
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 
 def suite_groups() -> list[tuple[TechniqueInfo, ...]]:

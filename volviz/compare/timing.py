@@ -244,6 +244,6 @@ def nudged(camera: Camera, frame: int) -> Camera:
     """The camera of a frame while times are taken: turned by little, never the same twice running.
 
     Half a degree to the right, to the left, a degree to the right and so on, so that all frames together look
-    from where the picture does.
+    from where the image does.
     """
     return camera.turned(0.5 * (1 + frame // 2) * (1 if frame % 2 else -1))

@@ -18,7 +18,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData  # noqa: E40
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkMarchingCubes  # noqa: E402
 
 if TYPE_CHECKING:
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
 Array = npt.NDArray[Any]
 

@@ -17,9 +17,9 @@ from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of, setting_values
 from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
 from volviz.model.surface_values import DistanceColoring, SurfaceColors
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.source import VolumeSource
+from volviz.volume_data.volume import Volume
 
 Layers = tuple[ImageLayer | LabelLayer, ...]
 
@@ -54,7 +54,7 @@ def spec_of(
     check_kinds(transfer_function=transfer_function, light=light, clipping=clipping)
     layers = layers_of(shown, transfer_function)
     # techniques with a light to be dragged show little under a light at the eye, which sees no shadow
-    first_light = Light(headlight="light" not in info.handles)
+    first_light = Light(headlight="light" not in info.manipulators)
     new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())
     if settings is None:
         settings = make_settings(info.settings, (dict(info.classic) if classic else {}) | own, owner=info.id)

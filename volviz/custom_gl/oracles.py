@@ -15,7 +15,7 @@ import numpy.typing as npt
 from volviz.custom_gl.settings import common_settings
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
-from volviz.model.transfer_function import TransferFunction, table_size
+from volviz.model.transfer.function import TransferFunction, table_size
 
 Float64Array = npt.NDArray[np.float64]
 
@@ -90,7 +90,7 @@ class OracleScene:
 
 def sampled_rays(scene: OracleScene, settings: Any) -> Float64Array:
     """Any of the ray casters' modes, lit from the eye: premultiplied RGBA of shape (H, W, 4), row 0 at the top."""
-    from volviz.kernels.reference import Shading, reference_render
+    from volviz.reference.image import Shading, reference_render
 
     low, high = scene.value_range
     lit = Shading(settings.ambient, settings.diffuse, settings.specular, settings.shininess)
@@ -106,8 +106,8 @@ def sampled_rays(scene: OracleScene, settings: Any) -> Float64Array:
 
 def isosurfaces(scene: OracleScene, _settings: Any) -> Float64Array:
     """The isosurfaces in one colour, lit from the eye: premultiplied RGBA of shape (H, W, 4), row 0 at the top."""
-    from volviz.kernels.reference import Shading
-    from volviz.kernels.reference_surface import reference_isosurface
+    from volviz.reference.image import Shading
+    from volviz.reference.isosurface import reference_isosurface
 
     return reference_isosurface(
         **scene.where(), isovalues=scene.isovalues, colors=SURFACE, shading=Shading()

@@ -1,6 +1,6 @@
 """What the eye sees at a pixel: one ray through the data, found by the rule of the technique. No OpenGL.
 
-A technique whose picture is a surface says where that is (`TechniqueInfo.pick`); for all others it is the place where
+A technique whose image is a surface says where that is (`TechniqueInfo.pick`); for all others it is the place where
 the ray has gathered half of its opacity, or the extreme value in the modes that show one.
 """
 
@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.settings import CommonSettings
-from volviz.kernels.reference_rays import box_interval, index_limits, plane_interval
-from volviz.kernels.surface_pick import PixelRay, surface_on_ray, values_at
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
+from volviz.reference.rays import box_interval, index_limits, plane_interval
+from volviz.reference.surface_pick import PixelRay, surface_on_ray, values_at
+from volviz.volume_data.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -41,7 +41,7 @@ class Picked(NamedTuple):
     value : float
         Scalar at the point, in data units.
     isovalue : float or None
-        The isovalue of the surface that was hit; None where the picture shows no isosurface.
+        The isovalue of the surface that was hit; None where the image shows no isosurface.
     """
 
     position: Vector
@@ -99,7 +99,7 @@ class Sight:
         return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
 
     def values(self, t: Any) -> Float64Array:
-        """Scalars in data units at distances along the ray, as the picture interpolates them."""
+        """Scalars in data units at distances along the ray, as the image interpolates them."""
         nearest = self.common.interpolation == "nearest"
         return values_at(
             self.volume.array, self.indices(t), nearest=nearest, lowest=float(self.volume.range[0])

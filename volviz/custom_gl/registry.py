@@ -71,5 +71,5 @@ def families() -> tuple[tuple[TechniqueInfo, ...], ...]:
 
 
 def are_counterparts(first: str, second: str) -> bool:
-    """Whether two techniques show the same thing, so that their pictures can be compared."""
+    """Whether two techniques show the same thing, so that their images can be compared."""
     return first == second or any({first, second} <= {info.id for info in family} for family in families())

@@ -21,9 +21,9 @@ from volviz.model.layers import ImageLayer, LabelLayer, volume_of
 from volviz.model.light import Light, default_position
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeKey
+from volviz.volume_data.volume import Volume
 
 Vector = tuple[float, float, float]
 Volumes = Mapping[VolumeKey, Volume]

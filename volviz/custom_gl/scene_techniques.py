@@ -48,7 +48,7 @@ def choose_technique(store: Store, technique: str, *, view: int | None = None) -
 
     def chosen(scene: Scene) -> Scene:
         changed = scene.with_view(view, technique=technique)
-        if "light" in info.handles and scene.light == Light():
+        if "light" in info.manipulators and scene.light == Light():
             changed = replace(changed, light=Light(headlight=False))
         return changed
 

@@ -223,7 +223,7 @@ class CommonSettings:
 
     A setting of one of these names means the same in every technique; a technique without it has the value that
     stands here. The fields are described in `SamplingSettings`, `ShadingSettings` and `PreintegrationSettings`;
-    `display` says whether the picture or what stands behind it is shown ("image", "both", ...).
+    `display` says whether the image or what stands behind it is shown ("image", "both", ...).
     """
 
     mode: str = "composite"

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.scalars import BRICK, bricks_of
 from volviz.kernels.splats import Splats, select_splats
+from volviz.volume_data.scalars import BRICK, bricks_of
 
 if TYPE_CHECKING:
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
 #: Standard deviation of a Gaussian footprint as a share of the splat's diameter: 0.675 voxels at the default size.
 SIGMA_PER_DIAMETER = 0.45

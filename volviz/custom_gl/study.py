@@ -12,16 +12,16 @@ from typing import Any, Literal
 import numpy as np
 
 from volviz.custom_gl.oracles import OracleScene
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
-#: Steps that are tried, in voxels of the smallest spacing, and the one of the converged picture.
+#: Steps that are tried, in voxels of the smallest spacing, and the one of the converged image.
 STEPS = (2.0, 1.4, 1.0, 0.7, 0.5, 0.35)
 REFERENCE_STEP = 0.05
 #: Distances of splats that are tried, as multiples of those when every voxel is one.
 SPLAT_DISTANCES = (6.0, 5.0, 4.0, 3.0, 2.0, 1.5)
 #: Every how many voxels a mesh is extracted; all divide `STRIDE_CELLS`, so that all meshes end at the same border.
 STRIDES, STRIDE_CELLS, LEAST_CELLS = (6.0, 4.0, 3.0, 2.0), 12, 4
-#: Largest pictures that are drawn, unless they are dear.
+#: Largest images that are drawn, unless they are expensive.
 PIXELS = 320 * 240
 
 Parameter = Literal["step", "bisections", "splats_per_axis", "stride"]
@@ -42,17 +42,17 @@ class Study:
     axis : str
         What errors are plotted over, in words, in voxels of the smallest spacing.
     converged : str
-        Id of the technique whose picture counts as converged; empty for its own.
+        Id of the technique whose image counts as converged; empty for its own.
     beside : str
-        Id of a technique with the same settings from whose converged picture the distance of this one's own is told.
+        Id of a technique with the same settings from whose converged image the distance of this one's own is told.
     is_exact : callable or None
-        Whether `TechniqueInfo.oracle` draws the very limit of the pictures in a scene with these settings; the distance
-        of the converged picture from that is told.
+        Whether `TechniqueInfo.oracle` draws the very limit of the images in a scene with these settings; the distance
+        of the converged image from that is told.
     finest : float
-        What the errors would be plotted over for the technique's own converged picture, in voxels; 0 where that picture
+        What the errors would be plotted over for the technique's own converged image, in voxels; 0 where that image
         is so much finer that it does not matter, or is another's.
     most_pixels : int
-        Of the pictures that are drawn.
+        Of the images that are drawn.
     """
 
     parameter: Parameter

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from volviz.custom_gl.picking import Picked, Sight
     from volviz.custom_gl.study import Study
     from volviz.model.surface_values import SurfaceColors
-    from volviz.model.transfer_function import TransferFunction
-    from volviz.model.volume import Volume
+    from volviz.model.transfer.function import TransferFunction
     from volviz.tasks import Tasks
+    from volviz.volume_data.volume import Volume
 
 Tile = tuple[int, int, int, int]
 Matrix = npt.NDArray[np.float64]
@@ -58,16 +58,16 @@ class TechniqueInfo:
         Which protocol `create` gives.
     handles : tuple of str
         What can be dragged in the viewport: "light", "plane".
-    displays : tuple of (value, label)
+    debug_views : tuple of (value, label)
         Machinery views, "image" first.
     classic : mapping
         Settings of the well-known teaching programs (``--classic``).
     uses_transfer_function : bool
-        Whether the transfer function changes its picture.
+        Whether the transfer function changes its image.
     by_gradient : bool
         Whether it draws regions over value and gradient (`TransferFunction.by_gradient`).
     inert : mapping of str to str
-        Settings that do not change the default picture, each with the reason; the contract tests read it.
+        Settings that do not change the default image, each with the reason; the contract tests read it.
     order : int
         Place in lists, ascending.
     counterpart_of : tuple of str
@@ -88,14 +88,14 @@ class TechniqueInfo:
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
     study : callable or None
         Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
-        nothing in its pictures to refine.
+        nothing in its images to refine.
     oracle : callable or None
         Draws what it shows with some settings by a float64 oracle, as nearly as that knows it: premultiplied RGBA of
         shape (H, W, 4), row 0 at the top.
     is_oracle : bool
         It is an oracle itself: its frame times say nothing, and everything is compared with it.
     samples_rays : bool
-        It gathers samples along rays, or in slices across them, as `volviz.kernels.reference_profile` does with its
+        It gathers samples along rays, or in slices across them, as `volviz.reference.ray_profile` does with its
         settings.
     view_slices : callable or None
         For samples in slices perpendicular to the view: from settings, world corners of what is shown (8, 3), direction
@@ -108,8 +108,8 @@ class TechniqueInfo:
     settings: type[Any]
     create: Callable[[], Any]
     kind: Literal["image", "prop"] = "image"
-    handles: tuple[str, ...] = ()
-    displays: tuple[tuple[str, str], ...] = (("image", "Image"),)
+    manipulators: tuple[str, ...] = ()
+    debug_views: tuple[tuple[str, str], ...] = (("image", "Image"),)
     classic: Mapping[str, Any] = field(default_factory=dict)
     uses_transfer_function: bool = True
     by_gradient: bool = False
@@ -160,7 +160,7 @@ class TechniqueInfo:
         return {parameter.name: tuple(isovalues) if parameter.kind == "floats" else isovalues[0]}
 
 
-def regions_unused(info: TechniqueInfo, settings: Any) -> str:
+def unused_regions(info: TechniqueInfo, settings: Any) -> str:
     """Why a technique with these settings draws the curve and not the regions; empty when it draws them.
 
     Parameters
@@ -184,7 +184,7 @@ def drawn_function(info: TechniqueInfo, settings: Any, function: TransferFunctio
 
     The same object where nothing is to be left out, since textures are keyed by it.
     """
-    if function.by_gradient is None or (function.by_gradient.enabled and not regions_unused(info, settings)):
+    if function.by_gradient is None or (function.by_gradient.enabled and not unused_regions(info, settings)):
         return function
     return replace(function, by_gradient=None)
 
@@ -225,7 +225,7 @@ class FrameCamera:
 
 @dataclass
 class Frame:
-    """What the host gives an image technique for one picture. Valid during `plan` and `draw` only.
+    """What the host gives an image technique for one image. Valid during `plan` and `draw` only.
 
     Attributes
     ----------
@@ -236,7 +236,7 @@ class Frame:
     size : tuple of 2 ints
         Width and height of the target in pixels; may be smaller than the window.
     window_size : tuple of 2 ints
-        Width and height of the viewport that the picture will fill.
+        Width and height of the viewport that the image will fill.
     volume : Volume
         The data.
     resources : VolumeResources
@@ -266,11 +266,11 @@ class Frame:
     scene_depth : texture or None
         Resolved depth of the opaque VTK geometry, window depth 0..1, of `window_size`; None = nothing opaque.
     step_scale : float
-        Factor on the step while interacting; 1 for a full picture.
+        Factor on the step while interacting; 1 for a full image.
     level : int
         Level of detail of the scalars, 0 = full; `resources` is set to it while the technique draws.
     sequence : int
-        Number of the accumulated picture, 0 for the first; seeds the jitter.
+        Number of the accumulated image, 0 for the first; seeds the jitter.
     interactive : bool
         Drawn during a gesture at lower quality.
     tiles : tuple of (x, y, width, height)
@@ -421,7 +421,7 @@ class Frame:
 
 @runtime_checkable
 class ImageTechnique(Protocol):
-    """Draws a picture of the volume in chunks, into the frame's target.
+    """Draws an image of the volume in chunks, into the frame's target.
 
     `plan` and `draw` are called with the context current and the OpenGL state reset to defaults. `draw` must be
     stateless between calls, except for what lies in targets of the technique's own; the host may stop after any
@@ -430,14 +430,14 @@ class ImageTechnique(Protocol):
     Three class attributes are optional: `writes_depth` (bool), the depth of `Frame.target` goes into VTK's depth
     buffer; `least_resolution` (float), linear fraction of the full resolution below which nothing gets cheaper,
     for techniques that give up detail by `Frame.step_scale` instead; `accumulates` (bool, True unless said), whether
-    the mean of pictures seen through other points of the pixels is a better one. So is the property `mesh`: the
-    triangles that the last full picture showed.
+    the mean of images seen through other points of the pixels is a better one. So is the property `mesh`: the
+    triangles that the last full image showed.
     """
 
     def plan(self, frame: Frame) -> int:
         """Prepare what the frame needs and say into how many chunks its drawing is divided (at least 1).
 
-        0 means that a task of `Frame.tasks` must end first: the last picture stays, and `plan` is asked again when one
+        0 means that a task of `Frame.tasks` must end first: the last image stays, and `plan` is asked again when one
         has ended. `plan` itself never waits (`volviz.tasks.LatestResult` gives what there is).
         """
 
@@ -465,7 +465,7 @@ class PropTechnique(Protocol):
     ambient_from_light : bool
         The mapper multiplies the ambient part of the material with an ambient colour of the light.
     seconds_per_pixel : float
-        What a pixel of the full picture costs on software OpenGL, roughly; measured from the second picture on.
+        What a pixel of the full image costs on software OpenGL, roughly; measured from the second image on.
     """
 
     by_tiles: bool

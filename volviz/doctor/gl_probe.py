@@ -44,7 +44,7 @@ def main(kind: str) -> None:
 
 
 def _offscreen() -> list[Any]:
-    """A VTK window with a picture in it. VTK is named here because only this process needs it."""
+    """A VTK window with an image in it. VTK is named here because only this process needs it."""
     core = importlib.import_module("vtkmodules.vtkRenderingCore")
     importlib.import_module("vtkmodules.vtkRenderingOpenGL2")
     window = core.vtkRenderWindow()

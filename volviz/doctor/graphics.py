@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from volviz.doctor.check import Check
 from volviz.doctor.child import ChildResult, run_python
+from volviz.doctor.system_libraries import install_command, missing_libraries, missing_packages, package_for
 from volviz.environment import display_answers, has_display, is_linux
-from volviz.system_libraries import install_command, missing_libraries, missing_packages, package_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -89,7 +89,7 @@ def qt_plugin() -> Path | None:
 
 
 def check_drawing() -> Iterator[Check]:
-    """OpenGL for pictures that are drawn off-screen."""
+    """OpenGL for images that are drawn off-screen."""
     yield from _check_gl("OpenGL", "offscreen")
 
 

@@ -15,7 +15,7 @@ from packaging.requirements import Requirement
 
 from volviz.doctor.check import Check
 from volviz.doctor.child import run_python
-from volviz.system_libraries import install_command, package_for
+from volviz.doctor.system_libraries import install_command, package_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

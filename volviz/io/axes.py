@@ -12,7 +12,7 @@ from volviz.volume_data.source import checked_number
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 #: Weights of red, green and blue in the brightness of a display-referred colour (ITU-R BT.709-6, item 3.2).
 LUMA = (0.2126, 0.7152, 0.0722)
@@ -20,7 +20,7 @@ LUMA = (0.2126, 0.7152, 0.0722)
 _WORDS = {"T": ("time", "time point"), "C": ("channel", "channel"), "S": ("channel", "colour component")}
 
 
-def choose(job: Job, letter: str, count: int) -> int:
+def choose(request: LoadRequest, letter: str, count: int) -> int:
     """Index along a time or channel axis: what is asked for, or the first one with a note.
 
     Parameters
@@ -36,15 +36,17 @@ def choose(job: Job, letter: str, count: int) -> int:
         What is asked for lies outside.
     """
     what, word = _WORDS[letter]
-    wanted = job.time if letter == "T" else job.channel
+    wanted = request.time if letter == "T" else request.channel
     if wanted is None:
         if count > 1:
-            job.note(f"The first of {count} {word}s is shown; choose another with {what}=0..{count - 1}.")
+            request.note(f"The first of {count} {word}s is shown; choose another with {what}=0..{count - 1}.")
         return 0
-    return checked_number(what, wanted, count, job.path.name)
+    return checked_number(what, wanted, count, request.path.name)
 
 
-def to_zyx(array: npt.NDArray[Any], axes: str, job: Job, *, colour: bool | None = None) -> npt.NDArray[Any]:
+def to_zyx(
+    array: npt.NDArray[Any], axes: str, request: LoadRequest, *, colour: bool | None = None
+) -> npt.NDArray[Any]:
     """The part of an array that a job asks for, with three axes in the order (Z, Y, X).
 
     Parameters
@@ -59,28 +61,30 @@ def to_zyx(array: npt.NDArray[Any], axes: str, job: Job, *, colour: bool | None 
     for letter in "TC":
         if letter in axes:
             at = axes.index(letter)
-            array = np.take(array, choose(job, letter, array.shape[at]), axis=at)
+            array = np.take(array, choose(request, letter, array.shape[at]), axis=at)
             axes = axes.replace(letter, "")
             if letter == "C":
                 # a channel that was found is no component of colours as well
-                job = replace(job, channel=None)
+                request = replace(request, channel=None)
     if "S" in axes:
         array = np.moveaxis(array, axes.index("S"), -1)
         axes = axes.replace("S", "")
         count = array.shape[-1]
-        if are_colours("S", (count,), array.dtype, colour) and job.channel is None:
-            job.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
+        if are_colours("S", (count,), array.dtype, colour) and request.channel is None:
+            request.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
             array = brightness(array)
         else:
-            array = array[..., choose(job, "S", count)]
+            array = array[..., choose(request, "S", count)]
     if sorted(axes) != ["X", "Y", "Z"]:
         if set(axes) == {"X", "Y"}:
             array, axes = array[None], "Z" + axes
         else:
-            raise job.error(f"its axes {axes!r} are not those of a volume; save it with the axes z, y, x.")
+            raise request.error(
+                f"its axes {axes!r} are not those of a volume; save it with the axes z, y, x."
+            )
     array = array.transpose([axes.index(letter) for letter in "ZYX"])
-    if job.box is not None:
-        i0, i1, j0, j1, k0, k1 = job.box
+    if request.box is not None:
+        i0, i1, j0, j1, k0, k1 = request.box
         array = array[k0:k1, j0:j1, i0:i1]
     return np.ascontiguousarray(array)
 

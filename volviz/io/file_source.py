@@ -12,7 +12,10 @@ import numpy as np
 from volviz.errors import InputError, LoadError
 from volviz.io.axes import are_colours
 from volviz.io.resampling import Rectangular
-from volviz.model.volume import (
+from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
+from volviz.volume_data.references import content_id
+from volviz.volume_data.source import ReadRequest, VolumeSource
+from volviz.volume_data.volume import (
     SHEAR_LIMIT,
     Volume,
     check_dimensions,
@@ -20,22 +23,19 @@ from volviz.model.volume import (
     checked_spacing,
     shear_of,
 )
-from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
-from volviz.volume_data.references import content_id
-from volviz.volume_data.source import ReadRequest, VolumeSource
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.geometry import Geometry
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 _COLOURS = (
     Channel("red", (1.0, 0.0, 0.0)), Channel("green", (0.0, 1.0, 0.0)), Channel("blue", (0.0, 0.0, 1.0)),
     Channel("alpha"),
 )  # fmt: skip
 
-Values = Callable[["Job"], "npt.NDArray[Any]"]
+Values = Callable[["LoadRequest"], "npt.NDArray[Any]"]
 
 
 class FileSource(VolumeSource):
@@ -43,61 +43,61 @@ class FileSource(VolumeSource):
 
     Parameters
     ----------
-    job : Job
+    load : LoadRequest
         What was opened; its hints take the place of what the file says, its notes come with every volume.
     description : Description
-    values : callable(Job) -> ndarray of shape (z, y, x)
+    values : callable(LoadRequest) -> ndarray of shape (z, y, x)
         Reads the time point, channel and box of a job, from any thread.
     """
 
-    def __init__(self, job: Job, description: Description, values: Values) -> None:
+    def __init__(self, load: LoadRequest, description: Description, values: Values) -> None:
         super().__init__(description)
-        self.job = job
+        self.load = load
         self.values = values
 
     def read_volume(self, request: ReadRequest) -> Volume:
         """The values with their geometry, and with what was noted at opening and reading."""
-        job = replace(
-            self.job, time=request.time or None, channel=request.channel, box=request.box,
-            progress=request.progress, cancel=request.cancel, notes=list(self.job.notes),
+        load = replace(
+            self.load, time=request.time or None, channel=request.channel, box=request.box,
+            progress=request.progress, cancel=request.cancel, notes=list(self.load.notes),
         )  # fmt: skip
-        with told_in_a_sentence(job):
-            array = self.values(job)
+        with told_in_a_sentence(load):
+            array = self.values(load)
         try:
-            return self.placed(array, request, notes=tuple(job.notes))
+            return self.placed(array, request, notes=tuple(load.notes))
         except InputError as error:
             raise LoadError(str(error)) from None
 
 
 @contextmanager
-def told_in_a_sentence(job: Job) -> Iterator[None]:
+def told_in_a_sentence(load: LoadRequest) -> Iterator[None]:
     """What the system complains about while a file is opened or read becomes one sentence."""
     try:
         yield
     except PermissionError:
-        raise job.error("you may not read it; change its permissions or copy it.") from None
+        raise load.error("you may not read it; change its permissions or copy it.") from None
     except MemoryError:
-        raise job.error("it does not fit into memory; crop it or save it with fewer voxels.") from None
+        raise load.error("it does not fit into memory; crop it or save it with fewer voxels.") from None
     except OSError as error:
         reason = (error.strerror or "unknown reason").lower()
-        raise job.error(f"the system cannot read it ({reason}); check disk and path.") from None
+        raise load.error(f"the system cannot read it ({reason}); check disk and path.") from None
 
 
 def _resampled(values: Values, upright: Rectangular) -> Values:
     """The values of a sheared lattice on a rectangular one."""
 
-    def read(job: Job) -> npt.NDArray[Any]:
-        array = upright.resampled(values(replace(job, box=None)))
-        if job.box is None:
+    def read(load: LoadRequest) -> npt.NDArray[Any]:
+        array = upright.resampled(values(replace(load, box=None)))
+        if load.box is None:
             return array
-        i0, i1, j0, j1, k0, k1 = job.box
+        i0, i1, j0, j1, k0, k1 = load.box
         return np.ascontiguousarray(array[k0:k1, j0:j1, i0:i1])
 
     return read
 
 
 def file_source(
-    job: Job,
+    load: LoadRequest,
     values: Values,
     axes: str,
     shape: Sequence[int],
@@ -120,8 +120,8 @@ def file_source(
 
     Parameters
     ----------
-    job : Job
-    values : callable(Job) -> ndarray of shape (z, y, x)
+    load : LoadRequest
+    values : callable(LoadRequest) -> ndarray of shape (z, y, x)
     axes : str
         One letter for each entry of `shape`: "Z", "Y", "X", "T" (time), "C" (channel), "S" (component).
         Axes of time or channels with one entry are none.
@@ -137,7 +137,7 @@ def file_source(
     LoadError
         `Volume` would refuse the sizes or the geometry.
     """
-    hints = job.hints
+    hints = load.hints
     sizes = dict(zip(axes, (int(n) for n in shape), strict=True))
     letter = "C" if "C" in sizes else "S"
     count, time_count = (n if n is not None and n > 1 else None for n in (sizes.get(letter), sizes.get("T")))
@@ -148,7 +148,7 @@ def file_source(
     if shear > SHEAR_LIMIT and min(dimensions) > 1:
         upright = Rectangular.around(dimensions, geometry)
         dimensions, geometry, values = upright.dimensions, upright.geometry, _resampled(values, upright)
-        job.note(
+        load.note(
             f"The axes of the file are sheared by {shear:.1f} degrees (a tilted gantry, say); "
             "it is resampled onto a rectangular lattice."
         )
@@ -172,11 +172,11 @@ def file_source(
         name=called,
         unit=unit if hints.unit is None else hints.unit,
         length_unit=length_unit,
-        content_id=content_id(str(job.path)),
+        content_id=content_id(str(load.path)),
         statistics=statistics if count is None and time_count is None else None,
         metadata={
-            "source": job.source, "format": format, "length_unit": length_unit,
-            "notes": tuple(job.notes), **metadata,
+            "source": load.source, "format": format, "length_unit": length_unit,
+            "notes": tuple(load.notes), **metadata,
         },
     )  # fmt: skip
-    return FileSource(job, description, values)
+    return FileSource(load, description, values)

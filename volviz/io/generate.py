@@ -12,7 +12,7 @@ import numpy as np
 from volviz.errors import InputError
 from volviz.io.engine import Engine, material_values
 from volviz.kernels.threads import executor, worker_count
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 if TYPE_CHECKING:
     from collections.abc import Callable

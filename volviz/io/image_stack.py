@@ -1,4 +1,4 @@
-"""Folders of pictures, one slice each: PNG, JPEG, BMP or TIFF files with numbered names."""
+"""Folders of images, one slice each: PNG, JPEG, BMP or TIFF files with numbered names."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.file_source import FileSource
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
 _TIFF = (".tif", ".tiff")
@@ -28,48 +28,50 @@ _MAGIC = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"BM")
 
 
 def sniff(head: bytes, path: Path) -> bool:
-    """Whether this is a picture with others beside it, or a folder that holds some."""
+    """Whether this is an image with others beside it, or a folder that holds some."""
     if path.is_dir():
         return len(_stack(path)) > 1
     return head.startswith(_MAGIC) and path.suffix.lower() in SUFFIXES
 
 
-def open_source(job: Job) -> FileSource:
-    """The largest set of pictures of a folder whose names differ in their numbers alone, or that of a picture."""
-    if job.path.is_dir():
-        paths = _stack(job.path)
-        left = sum(len(group) for group in _groups(job.path).values()) - len(paths)
+def open_source(request: LoadRequest) -> FileSource:
+    """The largest set of images of a folder whose names differ in their numbers alone, or that of an image."""
+    if request.path.is_dir():
+        paths = _stack(request.path)
+        left = sum(len(group) for group in _groups(request.path).values()) - len(paths)
         if left:
-            job.note(f"{left} pictures with names of another kind were left out.")
+            request.note(f"{left} pictures with names of another kind were left out.")
     else:
-        paths = _groups(job.path.parent)[_pattern(job.path)]
+        paths = _groups(request.path.parent)[_pattern(request.path)]
         if len(paths) < 2:
-            raise job.error("it is a single picture, no volume; open a folder of numbered ones, or a stack.")
-        job.note(f"The picture is one of {len(paths)} in its folder; all of them are shown.")
-    _tell_gaps(job, paths)
-    first = _pixels(job, paths[0])
+            raise request.error(
+                "it is a single picture, no volume; open a folder of numbered ones, or a stack."
+            )
+        request.note(f"The picture is one of {len(paths)} in its folder; all of them are shown.")
+    _tell_gaps(request, paths)
+    first = _pixels(request, paths[0])
     colours = first.ndim == 3
-    job.note("Pictures do not say how far they lie apart; voxels are taken for cubes of side 1.")
+    request.note("Pictures do not say how far they lie apart; voxels are taken for cubes of side 1.")
 
-    def values(job: Job) -> npt.NDArray[Any]:
-        wanted = paths if job.box is None else paths[job.box[4] : job.box[5]]
-        check_memory(job, len(wanted) * first.nbytes)
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        wanted = paths if request.box is None else paths[request.box[4] : request.box[5]]
+        check_memory(request, len(wanted) * first.nbytes)
         array = np.empty((len(wanted), *first.shape), first.dtype)
         for number, path in enumerate(wanted):
-            job.report(number / len(wanted), "reading pictures")
-            pixels = _pixels(job, path)
+            request.report(number / len(wanted), "reading pictures")
+            pixels = _pixels(request, path)
             if pixels.shape != first.shape:
-                raise job.error(
+                raise request.error(
                     f"it is {_size(pixels)} pixels large where {paths[0].name} is {_size(first)}; "
                     "slices of a volume are equally large.",
                     path,
                 )
             array[number] = pixels
-        return to_zyx(array, "ZYXS" if colours else "ZYX", job.within_slices(), colour=colours)
+        return to_zyx(array, "ZYXS" if colours else "ZYX", request.within_slices(), colour=colours)
 
-    folder = job.path if job.path.is_dir() else job.path.parent
+    folder = request.path if request.path.is_dir() else request.path.parent
     return file_source(
-        job,
+        request,
         values,
         "ZYXS" if colours else "ZYX",
         (len(paths), *first.shape),
@@ -82,7 +84,7 @@ def open_source(job: Job) -> FileSource:
 
 
 def _stack(folder: Path) -> list[Path]:
-    """The largest set of pictures of a folder, in the order of their numbers."""
+    """The largest set of images of a folder, in the order of their numbers."""
     return max(_groups(folder).values(), key=len, default=[])
 
 
@@ -105,7 +107,7 @@ def _numbers(path: Path) -> tuple[int, ...]:
     return tuple(int(number) for number in re.findall(r"\d+", path.name))
 
 
-def _tell_gaps(job: Job, paths: list[Path]) -> None:
+def _tell_gaps(request: LoadRequest, paths: list[Path]) -> None:
     """Note missing numbers; of several numbers in a name the one that changes counts."""
     rows = np.array([_numbers(path) for path in paths], dtype=object)
     changing = [column for column in rows.T if len(set(column)) > 1] if rows.ndim == 2 else []
@@ -116,13 +118,13 @@ def _tell_gaps(job: Job, paths: list[Path]) -> None:
     usual = int(np.median(steps))
     missing = sum(int(step) // usual - 1 for step in steps) if usual > 0 else 0
     if missing:
-        job.note(
+        request.note(
             f"{missing} numbers between {numbers[0]} and {numbers[-1]} have no picture; the others are put together."
         )
 
 
-def _pixels(job: Job, path: Path) -> npt.NDArray[Any]:
-    """A picture as (rows, columns) or (rows, columns, components)."""
+def _pixels(request: LoadRequest, path: Path) -> npt.NDArray[Any]:
+    """An image as (rows, columns) or (rows, columns, components)."""
     try:
         if path.suffix.lower() in _TIFF:
             import tifffile
@@ -131,20 +133,18 @@ def _pixels(job: Job, path: Path) -> npt.NDArray[Any]:
         else:
             from PIL import Image
 
-            with Image.open(path) as picture:
-                array = np.asarray(
-                    picture.convert("RGB") if picture.mode in ("P", "CMYK", "YCbCr") else picture
-                )
+            with Image.open(path) as image:
+                array = np.asarray(image.convert("RGB") if image.mode in ("P", "CMYK", "YCbCr") else image)
     except (MemoryError, VolvizError):
         raise
     except Exception as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise
-        raise job.error("this picture is damaged or of an unusual kind; save it again.", path) from None
+        raise request.error("this picture is damaged or of an unusual kind; save it again.", path) from None
     if array.ndim == 3 and array.shape[-1] == 2:
         array = array[..., 0]
     if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[-1] not in (3, 4)):
-        raise job.error("it holds several pictures; open it by itself.", path)
+        raise request.error("it holds several pictures; open it by itself.", path)
     return array
 
 

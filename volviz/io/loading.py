@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
-from volviz.io.reader import HEAD_BYTES, PART, SAMPLE_PREFIX, Hints, Job
+from volviz.io.reader import HEAD_BYTES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
 from volviz.io.table import READERS
 
 if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.table import Reader
-    from volviz.model.volume import Volume
     from volviz.volume_data.source import Cancel, Progress, VolumeSource
+    from volviz.volume_data.volume import Volume
 
 
 def open(  # noqa: A001 - what it does, as `volviz.open`
@@ -59,12 +59,12 @@ def open(  # noqa: A001 - what it does, as `volviz.open`
     Cancelled
     """
     text = os.fspath(path)
-    given = Hints.from_keywords(hints)
+    given = LoadOptions.from_keywords(hints)
     if text.startswith(SAMPLE_PREFIX):
         from volviz.io.samples import sample_source
 
-        return sample_source(Job(Path(text), given, progress=progress, cancel=cancel))
-    return open_file(Job(Path(text).expanduser(), given, progress=progress, cancel=cancel))
+        return sample_source(LoadRequest(Path(text), given, progress=progress, cancel=cancel))
+    return open_file(LoadRequest(Path(text).expanduser(), given, progress=progress, cancel=cancel))
 
 
 def load(
@@ -111,14 +111,14 @@ def load(
     """
     source = open(path, progress=progress, cancel=cancel, **hints)
     volume = source.read(level, 0 if time is None else time, channel, box, cancel, progress)
-    Job(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
+    LoadRequest(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
     return volume
 
 
-def open_file(job: Job) -> FileSource:
+def open_file(request: LoadRequest) -> FileSource:
     """Find the reader for a job and let it open the file."""
-    with told_in_a_sentence(job):
-        return _reader_for(job).open(job)
+    with told_in_a_sentence(request):
+        return _reader_for(request).open(request)
 
 
 def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
@@ -169,31 +169,31 @@ def file_dialog_filters() -> list[str]:
     return [everything, *(reader.dialog_filter for reader in READERS if reader.suffixes), "All files (*)"]
 
 
-def _reader_for(job: Job) -> Reader:
-    path = job.path
+def _reader_for(request: LoadRequest) -> Reader:
+    path = request.path
     if not path.exists():
-        raise job.error("there is no such file or folder; check the path.")
+        raise request.error("there is no such file or folder; check the path.")
     head = _head(path)
     if not head and path.is_file():
-        raise job.error("the file is empty; get it again.")
+        raise request.error("the file is empty; get it again.")
     by_content = next((reader for reader in READERS if reader.sniff(head, path)), None)
     by_name = _by_suffix(path)
     is_raw = path.is_file() and by_name is not None and by_name.name == "Raw"
     # numbers can begin like any file; a size that fits to the byte is no chance
-    if is_raw and by_name is not None and (job.hints.dims is not None or raw.fits(job)):
+    if is_raw and by_name is not None and (request.hints.dims is not None or raw.fits(request)):
         return by_name
     if by_content is not None:
         return by_content
-    if job.hints.dims is not None and path.is_file():
+    if request.hints.dims is not None and path.is_file():
         return next(reader for reader in READERS if reader.name == "Raw")
     if by_name is not None and path.is_file():
         return by_name
     if path.is_dir():
-        raise job.error(
+        raise request.error(
             "no DICOM slices and no numbered pictures were found in the folder; choose another one, or a file."
         )
     known = ", ".join(reader.name for reader in READERS)
-    raise job.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
+    raise request.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
 
 
 def _by_suffix(path: Path) -> Reader | None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 MEMINFO = Path("/proc/meminfo")
 CGROUP = Path("/sys/fs/cgroup")
@@ -41,12 +41,12 @@ def free_bytes() -> int | None:
     return max(free, 0)
 
 
-def check_memory(job: Job, wanted: int) -> None:
+def check_memory(request: LoadRequest, wanted: int) -> None:
     """Refuse what does not fit.
 
     Parameters
     ----------
-    job : Job
+    request : LoadRequest
     wanted : int
         Bytes of the array that is to be made.
 
@@ -56,7 +56,7 @@ def check_memory(job: Job, wanted: int) -> None:
     """
     free = free_bytes()
     if free is not None and wanted > free:
-        raise job.error(
+        raise request.error(
             f"it needs {wanted / 2**30:.3g} GiB of memory and {free / 2**30:.3g} GiB are free; "
             "close other programs, crop it or save it with fewer voxels."
         )

@@ -19,16 +19,16 @@ import numpy as np
 
 from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS, is_usable
+from volviz.io.raw_payload import RawPayload, check_sizes, read_part
 from volviz.io.reader import stem
 from volviz.io.scaling import rescaled
-from volviz.io.stored import Stored, check_sizes, read_part
 from volviz.volume_data.description import Channel
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.file_source import FileSource
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 SUFFIXES = (".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz")
 
@@ -93,26 +93,30 @@ def sniff(head: bytes, path: Path) -> bool:
     return _layout(head) is not None
 
 
-def open_source(job: Job) -> FileSource:
+def open_source(request: LoadRequest) -> FileSource:
     """What the header says; the fourth axis is time, the fifth holds the components of a vector."""
-    header_file, data_file = _files(job)
-    head = _head(header_file, job)
+    header_file, data_file = _files(request)
+    head = _head(header_file, request)
     found = _layout(head)
     if found is None:
-        raise job.error("this is no NIfTI file, though it is called so; check how it was made.", header_file)
+        raise request.error(
+            "this is no NIfTI file, though it is called so; check how it was made.", header_file
+        )
     header, order = found
     is_pair = header["magic"] in (b"ni1", b"ni2") or header["magic"] == b""
     if is_pair and data_file is None:
-        raise job.error(
+        raise request.error(
             f"the image that belongs to this header, {stem(header_file, SUFFIXES)}.img, is not there; "
             "keep both files in one folder."
         )
     code = int(header["datatype"])
     if code not in _TYPES:
-        raise job.error(f"values of NIfTI data type {code} cannot be shown; save them as integers or reals.")
+        raise request.error(
+            f"values of NIfTI data type {code} cannot be shown; save them as integers or reals."
+        )
     rank = int(header["dim"][0])
     if not 1 <= rank <= 7:
-        raise job.error(f"its header gives {rank} dimensions; the file is damaged.")
+        raise request.error(f"its header gives {rank} dimensions; the file is damaged.")
     sizes = [int(n) for n in header["dim"][1 : rank + 1]] + [1] * (3 - rank)
     file = data_file if is_pair and data_file is not None else header_file
     smallest = 0 if is_pair else (544 if header["size"] == 540 else 352)
@@ -120,23 +124,23 @@ def open_source(job: Job) -> FileSource:
     if not smallest <= offset < 2**40:
         offset = smallest
     shape = (*sizes[::-1], _COLOURS[code]) if code in _COLOURS else tuple(sizes[::-1])
-    stored = Stored(
+    payload = RawPayload(
         (file,),
         shape,
         np.dtype(_TYPES[code]).newbyteorder(order),
         offset=int(offset),
         encoding="gzip" if _is_gzip(file) else "raw",
     )
-    check_sizes(stored, job)
+    check_sizes(payload, request)
     # anything beyond the fifth axis is taken at its first entry
     for _ in range(rank - 5):
-        stored = stored.frame(0)
+        payload = payload.frame(0)
     axes = "CTZYX"[-max(3, min(rank, 5)) :] + ("S" if code in _COLOURS else "")
 
-    def values(job: Job) -> npt.NDArray[Any]:
-        array = read_part(stored, axes, job, colour=True)
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        array = read_part(payload, axes, request, colour=True)
         if array.dtype.kind == "c":
-            job.note("Complex values are shown as their magnitude.")
+            request.note("Complex values are shown as their magnitude.")
             array = np.abs(array)
         elif code not in _COLOURS:
             array = rescaled(array, float(header["scl_slope"]), float(header["scl_inter"]))
@@ -144,13 +148,13 @@ def open_source(job: Job) -> FileSource:
 
     low, high = float(header["cal_min"]), float(header["cal_max"])
     return file_source(
-        job,
+        request,
         values,
         axes,
-        stored.shape,
-        job.geometry(_affine(header, job)),
+        payload.shape,
+        request.geometry(_affine(header, request)),
         format="NIfTI",
-        name=stem(job.path, SUFFIXES),
+        name=stem(request.path, SUFFIXES),
         colour=True,
         channels=[Channel(window=(low, high))] if low < high < np.inf else (),
         times=_times(header, sizes[3]) if rank > 3 else None,
@@ -208,20 +212,20 @@ def affine(header: dict[str, Any]) -> npt.NDArray[np.float64] | None:
     return None
 
 
-def _affine(header: dict[str, Any], job: Job) -> npt.NDArray[np.float64]:
+def _affine(header: dict[str, Any], request: LoadRequest) -> npt.NDArray[np.float64]:
     """Index to world, LPS, millimetres."""
     # what a damaged header says may not even be a number
     with np.errstate(over="ignore", invalid="ignore"):
-        return _placed(header, job)
+        return _placed(header, request)
 
 
-def _placed(header: dict[str, Any], job: Job) -> npt.NDArray[np.float64]:
+def _placed(header: dict[str, Any], request: LoadRequest) -> npt.NDArray[np.float64]:
     matrix = affine(header)
     if matrix is None:
-        job.note("The file does not say how it lies in space; right, anterior, superior is taken.")
+        request.note("The file does not say how it lies in space; right, anterior, superior is taken.")
         steps = np.abs(np.asarray(header["pixdim"][1:4], float))
         if not np.all(np.isfinite(steps)) or steps.min() <= 0:
-            job.note("The file gives no distance between voxels; 1 is taken.")
+            request.note("The file gives no distance between voxels; 1 is taken.")
             steps = np.where(np.isfinite(steps) & (steps > 0), steps, 1.0)
         matrix = np.diag([*steps, 1.0])
     unit = _MILLIMETRES.get(int(header["xyzt_units"]) & 7, 1.0)
@@ -263,14 +267,14 @@ def _with_order(kind: Any, order: str) -> Any:
     return (order + kind[0], kind[1]) if isinstance(kind, tuple) else order + kind
 
 
-def _files(job: Job) -> tuple[Path, Path | None]:
+def _files(request: LoadRequest) -> tuple[Path, Path | None]:
     """Header file and, for pairs, the file of the values (None when it is not there)."""
-    path = job.path
+    path = request.path
     name = path.name.lower()
     if name.endswith((".img", ".img.gz")):
         header = _partner(path, ".hdr")
         if header is None:
-            raise job.error(
+            raise request.error(
                 f"the header that belongs to this image, {stem(path, SUFFIXES)}.hdr, is not there; "
                 "keep both files in one folder."
             )
@@ -294,7 +298,7 @@ def _is_gzip(path: Path) -> bool:
         return stream.read(2) == b"\x1f\x8b"
 
 
-def _head(path: Path, job: Job) -> bytes:
+def _head(path: Path, request: LoadRequest) -> bytes:
     if not _is_gzip(path):
         with path.open("rb") as stream:
             return stream.read(544)
@@ -302,4 +306,4 @@ def _head(path: Path, job: Job) -> bytes:
         with gzip.open(path) as stream:
             return stream.read(544)
     except (OSError, EOFError, zlib.error):
-        raise job.error("the compressed data is damaged or cut off; get the file again.", path) from None
+        raise request.error("the compressed data is damaged or cut off; get the file again.", path) from None

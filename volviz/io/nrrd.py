@@ -16,14 +16,14 @@ import numpy as np
 
 from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS, is_usable
+from volviz.io.raw_payload import Encoding, RawPayload, check_sizes, read_part
 from volviz.io.reader import shortened, stem
-from volviz.io.stored import Encoding, Stored, check_sizes, read_part
 from volviz.volume_data.description import Channel, Label
 
 if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.geometry import Geometry
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 SUFFIXES = (".nrrd", ".nhdr")
 
@@ -64,53 +64,53 @@ def sniff(head: bytes, _path: Path) -> bool:
     return re.match(rb"NRRD000[1-9]\r?\n", head) is not None
 
 
-def open_source(job: Job) -> FileSource:
+def open_source(request: LoadRequest) -> FileSource:
     """What the header says; a list of volumes is one of time points, or of channels."""
-    fields, end = _header(job)
+    fields, end = _header(request)
     try:
         sizes = [int(n) for n in fields["sizes"].split()]
         kind = fields["type"].lower()
         encoding = fields["encoding"].lower()
         dimension = int(fields.get("dimension", len(sizes)))
     except (KeyError, ValueError):
-        raise job.error("its header gives no readable type, sizes and encoding.") from None
+        raise request.error("its header gives no readable type, sizes and encoding.") from None
     if dimension != len(sizes):
-        raise job.error(
+        raise request.error(
             f"its header gives {dimension} dimensions and {len(sizes)} sizes; the file is damaged."
         )
     if dimension < 3:
-        raise job.error(
+        raise request.error(
             f"a volume needs three axes, this file has {dimension}; open a stack of images instead of a single one."
         )
     if kind not in _DTYPES:
-        raise job.error(
+        raise request.error(
             f"values of the NRRD type {shortened(kind)} cannot be shown; save it as integers or real numbers."
         )
     if encoding not in _ENCODINGS:
-        raise job.error(
+        raise request.error(
             f"the NRRD encoding {shortened(encoding)} cannot be read; save it with raw or gzip encoding."
         )
     labels = _labels(fields)
-    is_labels = bool(labels) or job.path.name.lower().endswith(".seg.nrrd")
+    is_labels = bool(labels) or request.path.name.lower().endswith(".seg.nrrd")
     order = ">" if fields.get("endian", "little").lower() == "big" else "<"
-    stored = _stored(
-        job, fields, end, tuple(sizes[::-1]), np.dtype(order + _DTYPES[kind]), _ENCODINGS[encoding]
+    payload = _payload(
+        request, fields, end, tuple(sizes[::-1]), np.dtype(order + _DTYPES[kind]), _ENCODINGS[encoding]
     )
-    check_sizes(stored, job)
-    geometry, letters, colour = _axes(job, fields, sizes)
+    check_sizes(payload, request)
+    geometry, letters, colour = _axes(request, fields, sizes)
     if is_labels:
         # layers of labels, however many bits they have, are no components of a colour
         colour = False
         letters = letters.replace("S", "C")
     axes = letters[::-1]
-    layers = stored.shape[axes.index("C")] if "C" in axes else 1
+    layers = payload.shape[axes.index("C")] if "C" in axes else 1
     return file_source(
-        job,
-        lambda job: read_part(stored, axes, job, colour=colour),
+        request,
+        lambda request: read_part(payload, axes, request, colour=colour),
         axes,
-        stored.shape,
+        payload.shape,
         geometry,
-        dtype=stored.dtype,
+        dtype=payload.dtype,
         colour=colour,
         is_labels=is_labels,
         # numbers that stand for one thing in one layer and for another in the next have no name as such
@@ -121,21 +121,21 @@ def open_source(job: Job) -> FileSource:
         if labels
         else (),
         format="NRRD",
-        name=stem(job.path, SUFFIXES),
+        name=stem(request.path, SUFFIXES),
         unit=_quoted(fields.get("sampleunits", "")),
         length_unit=_length_unit(fields),
     )
 
 
-def _header(job: Job) -> tuple[dict[str, str], int]:
+def _header(request: LoadRequest) -> tuple[dict[str, str], int]:
     """Fields by name (lower case, without blanks) and the byte at which the values begin."""
-    with job.path.open("rb") as stream:
+    with request.path.open("rb") as stream:
         head = stream.read(HEADER_BYTES)
-    if not sniff(head, job.path):
-        raise job.error("this is no NRRD file, though it is called so; check how it was made.")
+    if not sniff(head, request.path):
+        raise request.error("this is no NRRD file, though it is called so; check how it was made.")
     blank = re.search(rb"\r?\n\r?\n", head)
     if blank is None and len(head) == HEADER_BYTES:
-        raise job.error("its header does not end; the file is damaged.")
+        raise request.error("its header does not end; the file is damaged.")
     # a detached header may end with the file
     text = head[: blank.start() if blank else None].decode("utf-8", "replace")
     fields: dict[str, str] = {}
@@ -157,35 +157,37 @@ def _header(job: Job) -> tuple[dict[str, str], int]:
     return fields, blank.end() if blank else len(head)
 
 
-def _stored(
-    job: Job,
+def _payload(
+    request: LoadRequest,
     fields: dict[str, str],
     end: int,
     shape: tuple[int, ...],
     dtype: np.dtype[np.generic],
     encoding: Encoding,
-) -> Stored:
+) -> RawPayload:
     detached = fields.get("datafile")
-    files = _data_files(job, detached, fields) if detached else (job.path,)
+    files = _data_files(request, detached, fields) if detached else (request.path,)
     start = 0 if detached else end
     try:
         lines = int(fields.get("lineskip", 0))
         skip = int(fields.get("byteskip", 0))
     except ValueError:
-        raise job.error("its header has an unreadable line skip or byte skip; the file is damaged.") from None
+        raise request.error(
+            "its header has an unreadable line skip or byte skip; the file is damaged."
+        ) from None
     if lines > 0:
-        start += _bytes_of_lines(files[0], start, lines, job)
-    stored = Stored(files, shape, dtype, encoding=encoding)
+        start += _bytes_of_lines(files[0], start, lines, request)
+    payload = RawPayload(files, shape, dtype, encoding=encoding)
     if encoding == "raw":
-        return replace(stored, offset=-1 if skip < 0 else start + skip)
+        return replace(payload, offset=-1 if skip < 0 else start + skip)
     if encoding == "text":
-        return replace(stored, offset=start + max(skip, 0))
-    return replace(stored, packed_offset=start, offset=max(skip, -1))
+        return replace(payload, offset=start + max(skip, 0))
+    return replace(payload, packed_offset=start, offset=max(skip, -1))
 
 
-def _data_files(job: Job, detached: str, fields: dict[str, str]) -> tuple[Path, ...]:
+def _data_files(request: LoadRequest, detached: str, fields: dict[str, str]) -> tuple[Path, ...]:
     """The files a detached header names: one, a numbered pattern, or a list; relative to the header."""
-    folder = job.path.parent
+    folder = request.path.parent
     words = detached.split()
     if words and words[0].upper() == "LIST":
         return tuple(folder / line.strip() for line in fields.get("list", "").splitlines() if line.strip())
@@ -196,7 +198,9 @@ def _data_files(job: Job, detached: str, fields: dict[str, str]) -> tuple[Path, 
             if len(numbers) > FILES_AT_MOST:
                 raise ValueError
         except (ValueError, OverflowError):
-            raise job.error("its header numbers the data files unreadably; the file is damaged.") from None
+            raise request.error(
+                "its header numbers the data files unreadably; the file is damaged."
+            ) from None
         return tuple(folder / _numbered(words[0], n) for n in numbers)
     return (folder / detached,)
 
@@ -210,21 +214,23 @@ def _numbered(pattern: str, number: int) -> str:
     return pattern[: found.start()] + digits + pattern[found.end() :]
 
 
-def _bytes_of_lines(file: Path, start: int, lines: int, job: Job) -> int:
+def _bytes_of_lines(file: Path, start: int, lines: int, request: LoadRequest) -> int:
     if not file.is_file():
         return 0
     with file.open("rb") as stream:
         stream.seek(start)
         for _ in range(lines):
             if not stream.readline(HEADER_BYTES):
-                raise job.error("the file is cut off before its values begin; get it again.", file)
+                raise request.error("the file is cut off before its values begin; get it again.", file)
         return stream.tell() - start
 
 
-def _axes(job: Job, fields: dict[str, str], sizes: list[int]) -> tuple[Geometry, str, bool | None]:
+def _axes(
+    request: LoadRequest, fields: dict[str, str], sizes: list[int]
+) -> tuple[Geometry, str, bool | None]:
     """Geometry, one letter an axis (fastest first), and whether the axis "S" holds colours."""
     kinds = fields.get("kinds", "").lower().split() or ["???"] * len(sizes)
-    columns = _directions(job, fields, len(sizes))
+    columns = _directions(request, fields, len(sizes))
     colour: bool | None = None
     letters = ""
     spatial = iter("XYZ")
@@ -241,17 +247,19 @@ def _axes(job: Job, fields: dict[str, str], sizes: list[int]) -> tuple[Geometry,
             colour = True if kind in _COLOUR_KINDS else None
         letters += letter
     if "Z" not in letters or any(letters.count(c) > 1 for c in "TCS"):
-        raise job.error(f"its {len(sizes)} axes are not those of a volume; save it with three spatial axes.")
+        raise request.error(
+            f"its {len(sizes)} axes are not those of a volume; save it with three spatial axes."
+        )
     order = [letters.index(c) for c in "XYZ"]
     if columns is not None:
         matrix = np.array([columns[axis] for axis in order], float).T
         if matrix.shape != (3, 3) or not is_usable(matrix):
-            raise job.error("its space directions do not span space; the file is damaged.")
+            raise request.error("its space directions do not span space; the file is damaged.")
         turn = _TO_LPS.get(fields.get("space", "").lower().removesuffix("-time").removesuffix("t"), np.eye(3))
         origin = _vectors(fields.get("spaceorigin", ""))
         first = origin[0] if origin and origin[0] is not None and len(origin[0]) >= 3 else (0.0, 0.0, 0.0)
         start = np.nan_to_num(np.array(first[:3], float))
-        return job.geometry(np.c_[turn @ matrix, turn @ start]), letters, colour
+        return request.geometry(np.c_[turn @ matrix, turn @ start]), letters, colour
     spacing = _numbers(fields.get("spacings", ""), len(sizes))
     lowest = _numbers(fields.get("axismins", ""), len(sizes))
     highest = _numbers(fields.get("axismaxs", ""), len(sizes))
@@ -265,12 +273,12 @@ def _axes(job: Job, fields: dict[str, str], sizes: list[int]) -> tuple[Geometry,
         if not np.isfinite(step) and count > 0:
             step = (highest[axis] - lowest[axis]) / count
         if not np.isfinite(step) or step == 0:
-            job.note("The file does not say how far its voxels lie apart along every axis; 1 is taken.")
+            request.note("The file does not say how far its voxels lie apart along every axis; 1 is taken.")
             step = 1.0
         steps.append(step)
         first = lowest[axis] + (step / 2 if is_cell else 0.0)
         start.append(first if np.isfinite(first) else 0.0)
-    return job.geometry(np.c_[np.diag(steps), start]), letters, colour
+    return request.geometry(np.c_[np.diag(steps), start]), letters, colour
 
 
 def _labels(fields: dict[str, str]) -> list[tuple[int, Label]]:
@@ -293,7 +301,9 @@ def _labels(fields: dict[str, str]) -> list[tuple[int, Label]]:
     return found
 
 
-def _directions(job: Job, fields: dict[str, str], count: int) -> list[tuple[float, ...] | None] | None:
+def _directions(
+    request: LoadRequest, fields: dict[str, str], count: int
+) -> list[tuple[float, ...] | None] | None:
     if "spacedirections" not in fields:
         return None
     columns = _vectors(fields["spacedirections"])
@@ -302,7 +312,7 @@ def _directions(job: Job, fields: dict[str, str], count: int) -> list[tuple[floa
         columns = [None if c is None or not any(c[:3]) else c for c in columns]
     in_space = [c for c in columns if c is not None]
     if len(columns) != count or len(in_space) != 3 or min(len(c) for c in in_space) < 3:
-        raise job.error("its space directions do not fit its axes; the file is damaged.")
+        raise request.error("its space directions do not fit its axes; the file is damaged.")
     return [None if c is None else c[:3] for c in columns]
 
 

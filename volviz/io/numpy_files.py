@@ -9,8 +9,8 @@ import numpy as np
 
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
+from volviz.io.raw_payload import RawPayload, check_sizes, read_part
 from volviz.io.reader import stem
-from volviz.io.stored import Stored, check_sizes, read_part
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.file_source import FileSource
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 SUFFIXES = (".npy",)
 
@@ -28,47 +28,54 @@ def sniff(head: bytes, _path: Path) -> bool:
     return head.startswith(b"\x93NUMPY")
 
 
-def open_source(job: Job) -> FileSource:
+def open_source(request: LoadRequest) -> FileSource:
     """What the header says; arrays of four axes hold time points or colours.
 
     The last axis of a 4D array is taken for colours when it has 3 or 4 entries of 8 bits, otherwise the first
     axis is time.
     """
-    shape, fortran, dtype, offset = _header(job)
+    shape, fortran, dtype, offset = _header(request)
     if dtype.hasobject or dtype.kind not in "buifc":
-        raise job.error(f"values of type {dtype} cannot be shown; save it as integers or real numbers.")
+        raise request.error(f"values of type {dtype} cannot be shown; save it as integers or real numbers.")
     rank = len(shape)
     if rank not in (3, 4):
-        raise job.error(f"the array has {rank} axes; save it with the three axes z, y, x.")
+        raise request.error(f"the array has {rank} axes; save it with the three axes z, y, x.")
     axes = "ZYX"
     if rank == 4:
         axes = "ZYXS" if shape[-1] in (3, 4) and dtype == np.uint8 else "TZYX"
     if fortran:
         # the file holds the reversed array in C order
         axes, shape = axes[::-1], shape[::-1]
-    stored = Stored((job.path,), shape, dtype, offset=offset)
-    check_sizes(stored, job)
+    payload = RawPayload((request.path,), shape, dtype, offset=offset)
+    check_sizes(payload, request)
 
-    def values(job: Job) -> npt.NDArray[Any]:
-        array = read_part(stored, axes, job)
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        array = read_part(payload, axes, request)
         if array.dtype.kind == "c":
-            job.note("Complex values are shown as their magnitude.")
+            request.note("Complex values are shown as their magnitude.")
             array = np.abs(array)
         return array
 
     return file_source(
-        job, values, axes, shape, Geometry(), format="NumPy", name=stem(job.path, SUFFIXES), dtype=dtype
+        request,
+        values,
+        axes,
+        shape,
+        Geometry(),
+        format="NumPy",
+        name=stem(request.path, SUFFIXES),
+        dtype=dtype,
     )
 
 
-def _header(job: Job) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
+def _header(request: LoadRequest) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
     reading = {
         (1, 0): np.lib.format.read_array_header_1_0,
         (2, 0): np.lib.format.read_array_header_2_0,
         # 3.0 is 2.0 with UTF-8 names of fields, which no volume has
         (3, 0): np.lib.format.read_array_header_2_0,
     }
-    with job.path.open("rb") as stream:
+    with request.path.open("rb") as stream:
         try:
             version = np.lib.format.read_magic(stream)
             shape, fortran, dtype = reading[version](stream)
@@ -81,5 +88,5 @@ def _header(job: Job) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
             RecursionError,
             MemoryError,
         ):
-            raise job.error("its NumPy header is unreadable; the file is damaged.") from None
+            raise request.error("its NumPy header is unreadable; the file is damaged.") from None
         return tuple(int(n) for n in shape), bool(fortran), dtype, stream.tell()

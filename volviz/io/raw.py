@@ -13,12 +13,12 @@ import numpy as np
 from volviz.errors import InputError, VolvizError
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
+from volviz.io.raw_payload import RawPayload, check_sizes, read_part
 from volviz.io.reader import stem
-from volviz.io.stored import Stored, check_sizes, read_part
 
 if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
-    from volviz.io.reader import Hints, Job
+    from volviz.io.reader import LoadOptions, LoadRequest
 
 SUFFIXES = (".raw", ".raw.gz", ".bin", ".dat")
 
@@ -54,59 +54,63 @@ def _plain(kind: re.Match[str]) -> str:
     return "u" + name if kind[1] and name.startswith("int") else name
 
 
-def fits(job: Job) -> bool:
+def fits(request: LoadRequest) -> bool:
     """Whether what is said of a raw file gives exactly the size that it has, so that it can be nothing else."""
-    named = hints_from_name(job.path.name)
-    if job.hints.dims is None and named is None:
+    named = hints_from_name(request.path.name)
+    if request.hints.dims is None and named is None:
         return False
     try:
-        dims, dtype = _described(job)
+        dims, dtype = _described(request)
     except VolvizError:
         return False
-    wanted = math.prod(dims) * dtype.itemsize + max(job.hints.header or 0, 0)
-    if not _is_gzip(job.path):
-        return wanted == job.path.stat().st_size
-    with job.path.open("rb") as stream:
+    wanted = math.prod(dims) * dtype.itemsize + max(request.hints.header or 0, 0)
+    if not _is_gzip(request.path):
+        return wanted == request.path.stat().st_size
+    with request.path.open("rb") as stream:
         # a gzip member ends with the size of what it holds, modulo 2^32
         stream.seek(-4, os.SEEK_END)
         return wanted % 2**32 == int.from_bytes(stream.read(4), "little")
 
 
-def open_source(job: Job) -> FileSource:
+def open_source(request: LoadRequest) -> FileSource:
     """A raw file, plain or gzipped, as it is described."""
-    dims, dtype = _described(job)
-    packed = _is_gzip(job.path)
-    header = job.hints.header or 0
+    dims, dtype = _described(request)
+    packed = _is_gzip(request.path)
+    header = request.hints.header or 0
     if header < 0 and packed:
-        raise InputError(f"{job.path.name}: header=-1 needs a file that is not compressed; unpack it first.")
-    stored = Stored((job.path,), dims[::-1], dtype, offset=header, encoding="gzip" if packed else "raw")
+        raise InputError(
+            f"{request.path.name}: header=-1 needs a file that is not compressed; unpack it first."
+        )
+    payload = RawPayload(
+        (request.path,), dims[::-1], dtype, offset=header, encoding="gzip" if packed else "raw"
+    )
     if not packed:
-        _compare_with_file(stored, job)
-    check_sizes(stored, job)
-    if job.hints.spacing is None:
-        job.note("A raw file does not say how far its voxels lie apart; 1 is taken along every axis.")
+        _compare_with_file(payload, request)
+    check_sizes(payload, request)
+    if request.hints.spacing is None:
+        request.note("A raw file does not say how far its voxels lie apart; 1 is taken along every axis.")
     return file_source(
-        job,
-        lambda job: read_part(stored, "ZYX", job),
+        request,
+        lambda request: read_part(payload, "ZYX", request),
         "ZYX",
-        stored.shape,
+        payload.shape,
         Geometry(),
         format="raw",
-        name=stem(job.path, SUFFIXES),
+        name=stem(request.path, SUFFIXES),
     )
 
 
-def _described(job: Job) -> tuple[tuple[int, int, int], np.dtype[Any]]:
-    hints: Hints = job.hints
-    named = hints_from_name(job.path.name)
-    sizes = _PATTERN.search(job.path.name)
+def _described(request: LoadRequest) -> tuple[tuple[int, int, int], np.dtype[Any]]:
+    hints: LoadOptions = request.hints
+    named = hints_from_name(request.path.name)
+    sizes = _PATTERN.search(request.path.name)
     dims = hints.dims or (named[0] if named else None)
     if dims is None and sizes is not None:
         dims = int(sizes[1]), int(sizes[2]), int(sizes[3])
     kind = hints.dtype if hints.dtype is not None else (named[1] if named else None)
     if dims is None or kind is None:
         what = "size" if dims is None else "type of its values"
-        raise job.error(f"a raw file does not say the {what}; {_WANTED}.")
+        raise request.error(f"a raw file does not say the {what}; {_WANTED}.")
     if min(dims) < 1:
         raise InputError(f"dims must be three positive integers (x, y, z), got {dims!r}.")
     return dims, _dtype(kind, hints.endian)
@@ -132,11 +136,11 @@ def _dtype(kind: Any, endian: str | None) -> np.dtype[Any]:
     return dtype if dtype.byteorder in "<>|" else dtype.newbyteorder("<")
 
 
-def _compare_with_file(stored: Stored, job: Job) -> None:
+def _compare_with_file(payload: RawPayload, request: LoadRequest) -> None:
     """Say it when the file has more bytes than the description: probably the description is wrong."""
-    spare = job.path.stat().st_size - stored.nbytes - max(stored.offset, 0)
-    if spare > 0 and stored.offset >= 0:
-        job.note(
+    spare = request.path.stat().st_size - payload.nbytes - max(payload.offset, 0)
+    if spare > 0 and payload.offset >= 0:
+        request.note(
             f"The file is {spare:,} bytes longer than its description says; they were left out. "
             "If the picture looks shifted, give header=-1 or correct dims and dtype."
         )

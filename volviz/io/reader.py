@@ -26,7 +26,7 @@ HEAD_BYTES = 4096
 
 
 @dataclass(frozen=True)
-class Hints:
+class LoadOptions:
     """What the user says about a file that the file itself leaves open; None = not said.
 
     Attributes
@@ -59,7 +59,7 @@ class Hints:
     series: str | int | None = None
 
     @classmethod
-    def from_keywords(cls, keywords: dict[str, Any]) -> Hints:
+    def from_keywords(cls, keywords: dict[str, Any]) -> LoadOptions:
         """Checked hints; an unknown keyword or a value of the wrong kind raises `InputError`."""
         known = [f.name for f in fields(cls)]
         for name in keywords:
@@ -81,14 +81,14 @@ class Hints:
 
 
 @dataclass(frozen=True)
-class Job:
+class LoadRequest:
     """One call of `open` or of a source's `read`: what is wanted and whom to tell.
 
     Attributes
     ----------
     path : Path
         File or folder.
-    hints : Hints
+    hints : LoadOptions
     time, channel : int or None
         What is read, counted from 0; None where nobody has chosen.
     box : tuple of 6 ints or None
@@ -102,7 +102,7 @@ class Job:
     """
 
     path: Path
-    hints: Hints = field(default_factory=Hints)
+    hints: LoadOptions = field(default_factory=LoadOptions)
     time: int | None = None
     channel: int | None = None
     box: Box | None = None
@@ -122,7 +122,7 @@ class Job:
         if self.progress is not None:
             self.progress(min(max(fraction, 0.0), 1.0), text)
 
-    def within_slices(self) -> Job:
+    def within_slices(self) -> LoadRequest:
         """The job for an array that holds the slices of the box alone."""
         if self.box is None:
             return self

@@ -15,9 +15,9 @@ from volviz.io.geometry import Geometry
 from volviz.io.reader import SAMPLE_PREFIX
 
 if TYPE_CHECKING:
-    from volviz.io.reader import Job
-    from volviz.model.volume import Volume
+    from volviz.io.reader import LoadRequest
     from volviz.volume_data.source import VolumeSource
+    from volviz.volume_data.volume import Volume
 
 _MNI = "MNI licence: free use and redistribution with its notice"
 
@@ -146,12 +146,12 @@ def default_sample() -> Sample:
     return _SAMPLES[0]
 
 
-def sample_source(job: Job) -> VolumeSource:
+def sample_source(load: LoadRequest) -> VolumeSource:
     """Open a sample.
 
     Parameters
     ----------
-    job : Job
+    load : LoadRequest
         With the path ``sample:<id>``.
 
     Raises
@@ -161,17 +161,17 @@ def sample_source(job: Job) -> VolumeSource:
     LoadError
         Its file is missing from the installation.
     """
-    identifier = str(job.path).removeprefix(SAMPLE_PREFIX)
+    identifier = str(load.path).removeprefix(SAMPLE_PREFIX)
     found = next((s for s in _SAMPLES if s.id == identifier), None)
     if found is None:
         raise InputError(f"there is no sample {identifier!r}; there are {', '.join(s.id for s in _SAMPLES)}.")
-    if job.hints.name is None:
-        job = replace(job, hints=replace(job.hints, name=found.label))
+    if load.hints.name is None:
+        load = replace(load, hints=replace(load.hints, name=found.label))
     if found.file is None:
-        made = _GENERATED[found.id](job.report)
+        made = _GENERATED[found.id](load.report)
         return file_source(
-            job,
-            lambda job: to_zyx(made.array, "ZYX", job),
+            load,
+            lambda load: to_zyx(made.array, "ZYX", load),
             "ZYX",
             made.array.shape,
             Geometry.from_affine(made.index_to_world),
@@ -180,8 +180,8 @@ def sample_source(job: Job) -> VolumeSource:
         )
     from volviz.io.loading import open_file
 
-    opened = open_file(replace(job, path=data_file(*found.file.split("/"))))
+    opened = open_file(replace(load, path=data_file(*found.file.split("/"))))
     said = opened.description
-    unit = said.unit or ("HU" if found.modality == "CT" and job.hints.unit is None else "")
-    described = replace(said, unit=unit, metadata={**said.metadata, "source": job.source})
-    return FileSource(opened.job, described, opened.values)
+    unit = said.unit or ("HU" if found.modality == "CT" and load.hints.unit is None else "")
+    described = replace(said, unit=unit, metadata={**said.metadata, "source": load.source})
+    return FileSource(opened.load, described, opened.values)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from volviz.io import dicom, image_stack, metaimage, nifti, nrrd, numpy_files, raw, tiff, vtk_files
 from volviz.io.file_source import FileSource
-from volviz.io.reader import Job
+from volviz.io.reader import LoadRequest
 
 
 @dataclass(frozen=True)
@@ -24,14 +24,14 @@ class Reader:
     sniff : callable(head, path) -> bool
         Whether the first bytes of a file (`HEAD_BYTES` at most, decompressed if it is gzipped) are of this
         format.
-    open : callable(Job) -> FileSource
+    open : callable(LoadRequest) -> FileSource
         Reads headers, as far as the format has any; imports what it needs when called.
     """
 
     name: str
     suffixes: tuple[str, ...]
     sniff: Callable[[bytes, Path], bool]
-    open: Callable[[Job], FileSource]
+    open: Callable[[LoadRequest], FileSource]
 
     @property
     def dialog_filter(self) -> str:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import tifffile
 
     from volviz.io.file_source import FileSource
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 SUFFIXES = (".tif", ".tiff", ".ome.tif", ".ome.tiff", ".lsm", ".tf8", ".btf")
 
@@ -47,16 +47,16 @@ def sniff(head: bytes, _path: Path) -> bool:
     return head[:4] in _MAGIC
 
 
-def open_source(job: Job) -> FileSource:
+def open_source(request: LoadRequest) -> FileSource:
     """The largest series of the file, with its time points and channels."""
     import tifffile
 
-    with _quiet(job), tifffile.TiffFile(job.path) as file:
-        return _source(job, file)
+    with _quiet(request), tifffile.TiffFile(request.path) as file:
+        return _source(request, file)
 
 
 @contextmanager
-def _quiet(job: Job) -> Iterator[None]:
+def _quiet(request: LoadRequest) -> Iterator[None]:
     """Answer damage with one sentence; the library's log and warnings would repeat it on the terminal."""
     log = logging.getLogger("tifffile")
     # both are set for the whole process
@@ -70,58 +70,58 @@ def _quiet(job: Job) -> Iterator[None]:
         except (VolvizError, OSError, MemoryError):
             raise
         except Exception:  # noqa: BLE001 - what a damaged file raises inside the library and its codecs has no end
-            raise job.error(
+            raise request.error(
                 "this TIFF file is damaged, cut off or of an unusual kind; save it again."
             ) from None
         finally:
             log.setLevel(level)
 
 
-def _source(job: Job, file: tifffile.TiffFile) -> FileSource:
-    series = _series(job, file)
-    if missing := missing_files(job, file):
+def _source(request: LoadRequest, file: tifffile.TiffFile) -> FileSource:
+    series = _series(request, file)
+    if missing := missing_files(request, file):
         names = ", ".join(missing[:3]) + (", …" if len(missing) > 3 else "")
-        raise job.error(
+        raise request.error(
             f"it belongs to a set of files, of which {names} does not lie beside it; put all of them there."
         )
     if _is_cut_off(file, series):
-        raise job.error("the file is cut off: its last pages are missing; get it again.")
-    axes = _meaning(job, series.axes.upper())
+        raise request.error("the file is cut off: its last pages are missing; get it again.")
+    axes = _meaning(request, series.axes.upper())
     if series.dtype is None or series.dtype.kind not in "buifc":
-        raise job.error(f"values of type {series.dtype} cannot be shown; save them as numbers.")
+        raise request.error(f"values of type {series.dtype} cannot be shown; save them as numbers.")
     if not set("YX") <= set(axes) or len(set(axes)) < len(axes):
-        raise job.error(f"its axes {axes!r} are not those of a volume; save it with the axes z, y, x.")
-    _check_size(job, series)
+        raise request.error(f"its axes {axes!r} are not those of a volume; save it with the axes z, y, x.")
+    _check_size(request, series)
     colour = "S" in axes and series.keyframe.photometric in (2, 6) and series.keyframe.photometric is not None
-    spacing, length_unit = spacing_of(job, file, series)
-    slope, intercept, unit = calibration_of(job, file)
+    spacing, length_unit = spacing_of(request, file, series)
+    slope, intercept, unit = calibration_of(request, file)
     if series.keyframe.photometric == MIN_IS_WHITE:
-        job.note("Its low values are meant to look white; the stored values are shown, high ones bright.")
+        request.note("Its low values are meant to look white; the stored values are shown, high ones bright.")
     if series.keyframe.photometric == PALETTE:
-        job.note("Its pixels are indices of a palette of colours; the indices are shown.")
+        request.note("Its pixels are indices of a palette of colours; the indices are shown.")
     sizes = dict(zip(axes, series.shape, strict=True))
 
-    def values(job: Job) -> npt.NDArray[Any]:
-        with _quiet(job):
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        with _quiet(request):
             # it was closed when its pages were known
             file.filehandle.open()
             try:
-                scalars = _values(job, series, axes, colour=colour)
+                scalars = _values(request, series, axes, colour=colour)
             finally:
                 file.filehandle.close()
         if scalars.dtype.kind == "c":
-            job.note("Complex values are shown as their magnitude.")
+            request.note("Complex values are shown as their magnitude.")
             scalars = np.abs(scalars)
         return rescaled(scalars, slope, intercept)
 
     return file_source(
-        job,
+        request,
         values,
         axes,
         series.shape,
         Geometry(spacing),
         format="TIFF",
-        name=stem(job.path, SUFFIXES),
+        name=stem(request.path, SUFFIXES),
         dtype=series.dtype,
         colour=colour,
         channels=channels_of(file, series, sizes.get("C", 1)),
@@ -131,60 +131,66 @@ def _source(job: Job, file: tifffile.TiffFile) -> FileSource:
     )
 
 
-def _series(job: Job, file: tifffile.TiffFile) -> tifffile.TiffPageSeries:
+def _series(request: LoadRequest, file: tifffile.TiffFile) -> tifffile.TiffPageSeries:
     every = list(file.series)
     if not every:
-        raise job.error("the TIFF file holds no image; get it again.")
-    wanted = job.hints.series
+        raise request.error("the TIFF file holds no image; get it again.")
+    wanted = request.hints.series
     if wanted is None:
         if len(every) > 1:
-            job.note(f"The largest of {len(every)} images is shown; choose with series=0..{len(every) - 1}.")
+            request.note(
+                f"The largest of {len(every)} images is shown; choose with series=0..{len(every) - 1}."
+            )
         # an overview of one page may be larger than the stack behind it
         return max(every, key=lambda s: (math.prod(s.shape[:-2]) > 1, s.size))
     if not isinstance(wanted, int) or not 0 <= wanted < len(every):
-        raise InputError(f"{job.path.name}: series must lie in 0..{len(every) - 1}, got {wanted!r}.")
+        raise InputError(f"{request.path.name}: series must lie in 0..{len(every) - 1}, got {wanted!r}.")
     return every[wanted]
 
 
-def _values(job: Job, series: tifffile.TiffPageSeries, axes: str, *, colour: bool) -> npt.NDArray[Any]:
+def _values(
+    request: LoadRequest, series: tifffile.TiffPageSeries, axes: str, *, colour: bool
+) -> npt.NDArray[Any]:
     """The time point, channel and slices of a job, page by page where pages are images of their own."""
     shape = tuple(int(n) for n in series.shape)
     page = series.keyframe
     leading = shape[: len(shape) - page.ndim]
     if int(np.prod(leading, dtype=np.int64)) != len(series.pages) or page.shape != shape[len(leading) :]:
-        job.report(0.1, "reading pages")
+        request.report(0.1, "reading pages")
         for number in range(len(series.pages)):
-            _page(job, series, number)
-        check_memory(job, series.nbytes)
-        return to_zyx(series.asarray(), axes, job, colour=colour)
+            _page(request, series, number)
+        check_memory(request, series.nbytes)
+        return to_zyx(series.asarray(), axes, request, colour=colour)
     # one page per index of the leading axes: read those that are wanted alone
     index: list[Any] = [slice(None)] * len(leading)
     for at, letter in enumerate(axes[: len(leading)]):
         if letter in "TC":
-            index[at] = choose(job, letter, leading[at])
-        elif letter == "Z" and job.box is not None:
-            index[at] = slice(*job.box[4:])
-            job = job.within_slices()
+            index[at] = choose(request, letter, leading[at])
+        elif letter == "Z" and request.box is not None:
+            index[at] = slice(*request.box[4:])
+            request = request.within_slices()
     numbers = np.asarray(np.arange(len(series.pages)).reshape(leading)[tuple(index)])
     kept = "".join(letter for letter, i in zip(axes, index, strict=False) if isinstance(i, slice))
     kept += axes[len(leading) :]
     if "C" in axes and "C" not in kept:
-        job = replace(job, channel=None)
-    check_memory(job, numbers.size * page.nbytes)
+        request = replace(request, channel=None)
+    check_memory(request, numbers.size * page.nbytes)
     array = np.empty((numbers.size, *page.shape), series.dtype)
     for number, page_number in enumerate(numbers.flat):
-        job.report(number / numbers.size, "reading pages")
-        array[number] = _page(job, series, int(page_number)).asarray()
-    return to_zyx(array.reshape((*numbers.shape, *page.shape)), kept, job, colour=colour)
+        request.report(number / numbers.size, "reading pages")
+        array[number] = _page(request, series, int(page_number)).asarray()
+    return to_zyx(array.reshape((*numbers.shape, *page.shape)), kept, request, colour=colour)
 
 
-def _page(job: Job, series: tifffile.TiffPageSeries, number: int) -> tifffile.TiffPage | tifffile.TiffFrame:
+def _page(
+    request: LoadRequest, series: tifffile.TiffPageSeries, number: int
+) -> tifffile.TiffPage | tifffile.TiffFrame:
     """One page, which must be of the size that the first one promises."""
     page = series.pages[number]
     if page is None:
-        raise job.error(f"page {number} of {len(series.pages)} is missing; the file is damaged.")
+        raise request.error(f"page {number} of {len(series.pages)} is missing; the file is damaged.")
     if page.shape != series.keyframe.shape:
-        raise job.error(f"page {number} has another size than the first one; the file is damaged.")
+        raise request.error(f"page {number} has another size than the first one; the file is damaged.")
     return page
 
 
@@ -203,7 +209,7 @@ def _is_cut_off(file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> boo
     )
 
 
-def _meaning(job: Job, axes: str) -> str:
+def _meaning(request: LoadRequest, axes: str) -> str:
     """Axes of a file, with Z, T and C given to those without a name (Q, I, R: pages), the last one first."""
     free = [letter for letter in "ZTC" if letter not in axes]
     for at in reversed(range(len(axes))):
@@ -212,17 +218,17 @@ def _meaning(job: Job, axes: str) -> str:
     if "Z" not in axes:
         for letter, word in (("T", "time points"), ("C", "channels")):
             if letter in axes:
-                job.note(f"The file names its pages {word}; they are stacked as slices.")
+                request.note(f"The file names its pages {word}; they are stacked as slices.")
                 return axes.replace(letter, "Z")
     return axes
 
 
-def _check_size(job: Job, series: tifffile.TiffPageSeries) -> None:
+def _check_size(request: LoadRequest, series: tifffile.TiffPageSeries) -> None:
     """A header that promises more than any compression could have packed into the file is damaged."""
     page = series.keyframe
-    size = job.path.stat().st_size
+    size = request.path.stat().st_size
     plain = page.compression == 1 and page.is_contiguous
     # each piece needs an entry that says where it lies; missing ones would be gone through one by one
     pieces = math.prod(page.chunked) > len(page.dataoffsets)
     if pieces or (series.nbytes > size * (1 if plain else 100_000) and not series.is_multifile):
-        raise job.error("the file is cut off: its header promises more pixels than it can hold.")
+        raise request.error("the file is cut off: its header promises more pixels than it can hold.")

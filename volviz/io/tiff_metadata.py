@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import tifffile
 
     from volviz.io.geometry import Vector
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 #: Codes of tag 296 (ResolutionUnit): inch, centimetre, millimetre, micrometre; in micrometres.
 _RESOLUTION_UNITS = {2: 25400.0, 3: 10000.0, 4: 1000.0, 5: 1.0}
@@ -38,16 +38,18 @@ _SECONDS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 360
 _NANOMETRES = {"nm": 1.0, "µm": 1e3, "Å": 0.1}
 
 
-def spacing_of(job: Job, file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> tuple[Vector, str]:
+def spacing_of(
+    request: LoadRequest, file: tifffile.TiffFile, series: tifffile.TiffPageSeries
+) -> tuple[Vector, str]:
     """Spacing (x, y, z) and its unit, from OME, ImageJ, LSM or the resolution tags, in this order."""
     pixels = _ome_pixels(file, series)
-    found = None if pixels is None else _ome_spacing(job, pixels)
+    found = None if pixels is None else _ome_spacing(request, pixels)
     if found is not None:
         return found
     tags = series.keyframe.tags
     x, y = (_per_pixel(tags, name) for name in ("XResolution", "YResolution"))
     if file.is_imagej:
-        return _imagej_spacing(job, file.imagej_metadata or {}, x, y)
+        return _imagej_spacing(request, file.imagej_metadata or {}, x, y)
     if file.is_lsm:
         metres = [_number((file.lsm_metadata or {}).get(f"VoxelSize{axis}")) for axis in "XYZ"]
         if all(size is not None and size > 0 for size in metres):
@@ -56,26 +58,30 @@ def spacing_of(job: Job, file: tifffile.TiffFile, series: tifffile.TiffPageSerie
     code = int(tags["ResolutionUnit"].value) if "ResolutionUnit" in tags else 1
     if not x or not y or code not in _RESOLUTION_UNITS or abs(x - y) < 1e-12:
         # 72 or 300 dots per inch are a printer's, no microscope's; without a z distance they would mislead
-        job.note("The file does not say how far its pages lie apart; voxels are taken for cubes of side 1.")
+        request.note(
+            "The file does not say how far its pages lie apart; voxels are taken for cubes of side 1."
+        )
         return (1.0, 1.0, 1.0), ""
-    job.note("The file does not say how far its pages lie apart; the distance of its columns is taken.")
+    request.note("The file does not say how far its pages lie apart; the distance of its columns is taken.")
     micrometres = _RESOLUTION_UNITS[code]
     return (x * micrometres, y * micrometres, x * micrometres), "µm"
 
 
-def _imagej_spacing(job: Job, info: dict[str, Any], x: float | None, y: float | None) -> tuple[Vector, str]:
+def _imagej_spacing(
+    request: LoadRequest, info: dict[str, Any], x: float | None, y: float | None
+) -> tuple[Vector, str]:
     """ImageJ leaves out a distance of slices that is 1, and their unit where it is that of the pixels."""
     unit = _unit(info.get("unit"))
     given = info.get("spacing")
     # some versions wrote a comma
     z = _number(str(given).replace(",", ".")) if given is not None else 1.0
     if z is None or z == 0:
-        job.note("Its distance of slices is no number; that of its columns is taken.")
+        request.note("Its distance of slices is no number; that of its columns is taken.")
         return (x or 1.0, y or 1.0, x or 1.0), unit
     return (x or 1.0, y or 1.0, _converted(abs(z), _unit(info.get("zunit") or unit), unit)), unit
 
 
-def calibration_of(job: Job, file: tifffile.TiffFile) -> tuple[float, float, str]:
+def calibration_of(request: LoadRequest, file: tifffile.TiffFile) -> tuple[float, float, str]:
     """Slope, intercept and unit of ImageJ's calibrated values; (1, 0, "") where there are none."""
     info = (file.imagej_metadata or {}) if file.is_imagej else {}
     if "c0" not in info and "c1" not in info:
@@ -84,15 +90,17 @@ def calibration_of(job: Job, file: tifffile.TiffFile) -> tuple[float, float, str
     unit = str(info.get("vunit", "") or "")
     unit = "" if unit.lower() in ("gray value", "pixel", "none") else unit
     if int(_number(info.get("cf", 0)) or 0) != 0 or slope is None or intercept is None:
-        job.note("ImageJ calibrates its values by a curve that is not applied; the stored values are shown.")
+        request.note(
+            "ImageJ calibrates its values by a curve that is not applied; the stored values are shown."
+        )
         return 1.0, 0.0, ""
     return slope, intercept, unit
 
 
-def missing_files(job: Job, file: tifffile.TiffFile) -> list[str]:
+def missing_files(request: LoadRequest, file: tifffile.TiffFile) -> list[str]:
     """Names of files of an OME set that do not lie beside the opened one."""
     names = {e.get("FileName") for e in _ome_elements(file, "UUID")}
-    folder = job.path.parent
+    folder = request.path.parent
     return sorted(name for name in names if name and not (folder / name).exists())
 
 
@@ -178,7 +186,7 @@ def _children(pixels: Element, name: str) -> list[Element]:
     return [e for e in pixels if e.tag.endswith("}" + name)]
 
 
-def _ome_spacing(job: Job, pixels: Element) -> tuple[Vector, str] | None:
+def _ome_spacing(request: LoadRequest, pixels: Element) -> tuple[Vector, str] | None:
     """Every axis has a unit of its own; what one axis lacks is taken from another, with a note."""
     found = {axis: _number(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ"}
     sizes = {axis: size for axis, size in found.items() if size is not None and size > 0}
@@ -189,9 +197,9 @@ def _ome_spacing(job: Job, pixels: Element) -> tuple[Vector, str] | None:
     lengths = {axis: _converted(size, units[axis], unit) for axis, size in sizes.items()}
     in_plane = lengths.get("X") or lengths.get("Y") or lengths["Z"]
     if "Z" not in lengths and int(_number(pixels.get("SizeZ")) or 1) > 1:
-        job.note("OME does not say how far its slices lie apart; the distance of its columns is taken.")
+        request.note("OME does not say how far its slices lie apart; the distance of its columns is taken.")
     if "X" not in lengths and "Y" not in lengths:
-        job.note("OME gives the distance of slices alone; pixels are taken to be as large.")
+        request.note("OME gives the distance of slices alone; pixels are taken to be as large.")
     return (lengths.get("X", in_plane), lengths.get("Y", in_plane), lengths.get("Z", in_plane)), unit
 
 

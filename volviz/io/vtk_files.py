@@ -15,8 +15,8 @@ import numpy as np
 from volviz.io.axes import choose, to_zyx
 from volviz.io.file_source import file_source
 from volviz.io.reader import stem
+from volviz.io.vtk_messages import vtk_complaints
 from volviz.volume_data.description import Channel
-from volviz.vtk_messages import vtk_complaints
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.file_source import FileSource
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 SUFFIXES = (".vti", ".vtk")
 
@@ -54,25 +54,25 @@ class _Header:
     dtype: npt.DTypeLike | None
 
 
-def open_source(job: Job) -> FileSource:
+def open_source(request: LoadRequest) -> FileSource:
     """What the header says. The arrays of a legacy file lie one after another without a list: it is read as a whole."""
-    with job.path.open("rb") as stream:
+    with request.path.open("rb") as stream:
         head = stream.read(4096)
-    if not sniff(head, job.path):
-        raise job.error("this is no VTK file, though it is called so; check how it was made.")
+    if not sniff(head, request.path):
+        raise request.error("this is no VTK file, though it is called so; check how it was made.")
     legacy = head.startswith(b"#")
-    _check(job, head, legacy=legacy)
-    job.report(0.0)
-    image = _image(job, legacy=True) if legacy else None
-    header = _header_of_image(image) if legacy else _header_of_xml(job)
+    _check(request, head, legacy=legacy)
+    request.report(0.0)
+    image = _image(request, legacy=True) if legacy else None
+    header = _header_of_image(image) if legacy else _header_of_xml(request)
     if not header.arrays:
-        raise job.error(
+        raise request.error(
             "the VTK file holds no numbers at its points or cells; save it with an array of scalars."
         )
     dimensions = [high - low + 1 for low, high in zip(header.extent[::2], header.extent[1::2], strict=True)]
     start_index = np.array(header.extent[::2], float)
     if header.is_cell:
-        job.note("The values belong to cells; they are shown at the middles of the cells.")
+        request.note("The values belong to cells; they are shown at the middles of the cells.")
         dimensions = [max(n - 1, 1) for n in dimensions]
         # the value of a cell lies in its middle
         start_index += 0.5
@@ -84,33 +84,33 @@ def open_source(job: Job) -> FileSource:
     count, components = len(header.arrays), header.arrays[0][1]
     letter = "C" if count > 1 else "S"
 
-    def values(job: Job) -> npt.NDArray[Any]:
-        read = image if image is not None else _image(job, legacy=False)
-        job.report(0.9)
-        return _values(job, read, header, shape)
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        read = image if image is not None else _image(request, legacy=False)
+        request.report(0.9)
+        return _values(request, read, header, shape)
 
     return file_source(
-        job,
+        request,
         values,
         "ZYX" + letter,
         (*shape, count if count > 1 else components),
-        job.geometry(np.c_[matrix, start]),
+        request.geometry(np.c_[matrix, start]),
         format="VTK",
-        name=stem(job.path, SUFFIXES),
+        name=stem(request.path, SUFFIXES),
         dtype=header.dtype,
         channels=[Channel(name) for name, _ in header.arrays] if count > 1 else (),
         field=header.arrays[header.active or 0][0],
     )
 
 
-def _check(job: Job, head: bytes, *, legacy: bool) -> None:
+def _check(request: LoadRequest, head: bytes, *, legacy: bool) -> None:
     """Refuse other kinds of VTK data, and sizes that the file cannot hold, before VTK asks for memory."""
     if legacy:
         kind = re.search(rb"^\s*DATASET\s+(\w+)", head, re.MULTILINE | re.IGNORECASE)
         if kind is None:
-            raise job.error("its header names no DATASET; the file is damaged or cut off.")
+            raise request.error("its header names no DATASET; the file is damaged or cut off.")
         if kind[1].upper() != b"STRUCTURED_POINTS":
-            raise job.error(
+            raise request.error(
                 f"it holds {kind[1].decode('ascii', 'replace')}, no image; save STRUCTURED_POINTS."
             )
         sizes = re.search(
@@ -121,15 +121,17 @@ def _check(job: Job, head: bytes, *, legacy: bool) -> None:
         kind = re.search(rb"<VTKFile\b[^>]*\btype\s*=\s*[\"'](\w+)", head)
         if kind is None or kind[1] != b"ImageData":
             what = kind[1].decode("ascii", "replace") if kind else "nothing that it names"
-            raise job.error(f"it holds {what}, no image; save it as ImageData (.vti).")
+            raise request.error(f"it holds {what}, no image; save it as ImageData (.vti).")
         extent = re.search(rb"WholeExtent\s*=\s*[\"']([-\d\s]+)[\"']", head)
         ends = [int(n) for n in extent[1].split()] if extent else []
         counts = [high - low + 1 for low, high in zip(ends[::2], ends[1::2], strict=False)]
     if len(counts) != 3 or min(counts) < 1:
-        raise job.error("its header gives no size that a volume can have; the file is damaged.")
+        raise request.error("its header gives no size that a volume can have; the file is damaged.")
     voxels = counts[0] * counts[1] * counts[2]
-    if voxels > job.path.stat().st_size * (1 if legacy else PACKING):
-        raise job.error(f"the file is cut off: its header promises {voxels:,} voxels, more than it can hold.")
+    if voxels > request.path.stat().st_size * (1 if legacy else PACKING):
+        raise request.error(
+            f"the file is cut off: its header promises {voxels:,} voxels, more than it can hold."
+        )
 
 
 def _header_of_image(image: Any) -> _Header:
@@ -150,7 +152,7 @@ def _header_of_image(image: Any) -> _Header:
     )
 
 
-def _header_of_xml(job: Job) -> _Header:
+def _header_of_xml(request: LoadRequest) -> _Header:
     """The header of an XML file, without its values."""
     from vtkmodules.vtkCommonDataModel import vtkDataObject as Data
     from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
@@ -159,12 +161,12 @@ def _header_of_xml(job: Job) -> _Header:
     reader = vtkXMLImageDataReader()
     with vtk_complaints() as complaints:
         # as bytes: a name on Linux need not be text
-        reader.SetFileName(os.fsencode(job.path))
+        reader.SetFileName(os.fsencode(request.path))
         reader.UpdateInformation()
     information = reader.GetOutputInformation(0)
     extent = information.Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT())
     if complaints.GetOutput() or extent is None:
-        raise job.error("VTK cannot read it; the file is damaged, cut off or of an unusual kind.")
+        raise request.error("VTK cannot read it; the file is damaged, cut off or of an unusual kind.")
 
     def listed(key: Any) -> list[Any]:
         entries = information.Get(key)
@@ -198,7 +200,7 @@ def _dtype(kind: int) -> npt.DTypeLike | None:
     return found
 
 
-def _image(job: Job, *, legacy: bool) -> Any:
+def _image(request: LoadRequest, *, legacy: bool) -> Any:
     """The vtkImageData; VTK's errors become one sentence, and its progress ours."""
     if legacy:
         from vtkmodules.vtkIOLegacy import vtkStructuredPointsReader as Reader
@@ -209,7 +211,7 @@ def _image(job: Job, *, legacy: bool) -> Any:
 
     def progressed(caller: Any, _event: str) -> None:
         try:
-            job.report(0.9 * caller.GetProgress())
+            request.report(0.9 * caller.GetProgress())
         except BaseException as error:  # noqa: BLE001 - VTK swallows what an observer raises; it is raised below
             stopped.append(error)
             caller.AbortExecuteOn()
@@ -218,7 +220,7 @@ def _image(job: Job, *, legacy: bool) -> Any:
     try:
         with vtk_complaints() as complaints:
             # as bytes: a name on Linux need not be text
-            reader.SetFileName(os.fsencode(job.path))
+            reader.SetFileName(os.fsencode(request.path))
             reader.Update()
     finally:
         reader.RemoveObserver(observer)
@@ -226,7 +228,7 @@ def _image(job: Job, *, legacy: bool) -> Any:
         raise stopped[0]
     image = reader.GetOutput()
     if complaints.GetOutput() or image is None or image.GetNumberOfPoints() == 0:
-        raise job.error("VTK cannot read it; the file is damaged, cut off or of an unusual kind.")
+        raise request.error("VTK cannot read it; the file is damaged, cut off or of an unusual kind.")
     return image
 
 
@@ -236,24 +238,24 @@ def _arrays(data: Any) -> list[Any]:
     return [array for array in found if array is not None and array.GetNumberOfTuples()]
 
 
-def _values(job: Job, image: Any, header: _Header, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+def _values(request: LoadRequest, image: Any, header: _Header, shape: tuple[int, ...]) -> npt.NDArray[Any]:
     """The array that is asked for, else the active scalars, else the first one."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     arrays = _arrays(image.GetCellData() if header.is_cell else image.GetPointData())
     if len(arrays) != len(header.arrays):
-        raise job.error("some of its arrays cannot be read; the file is damaged or cut off.")
+        raise request.error("some of its arrays cannot be read; the file is damaged or cut off.")
     index = header.active or 0
     if len(arrays) > 1:
-        if header.active is None or job.channel is not None:
-            index = choose(job, "C", len(arrays))
+        if header.active is None or request.channel is not None:
+            index = choose(request, "C", len(arrays))
         shown = ", ".join(f"{n}: {name}" for n, (name, _) in enumerate(header.arrays[:8]))
-        job.note(f"The file holds {len(arrays)} arrays ({shown}); {header.arrays[index][0]} is shown.")
-        job = replace(job, channel=None)
+        request.note(f"The file holds {len(arrays)} arrays ({shown}); {header.arrays[index][0]} is shown.")
+        request = replace(request, channel=None)
     components = int(arrays[index].GetNumberOfComponents())
     array = vtk_to_numpy(arrays[index])
     if array.shape[0] != int(np.prod(shape, dtype=np.int64)):
-        raise job.error("its values do not fit its dimensions; the file is damaged or cut off.")
+        raise request.error("its values do not fit its dimensions; the file is damaged or cut off.")
     shaped = array.reshape(*shape, *((components,) if components > 1 else ()))
     # the array may still belong to VTK, which frees it with the image
-    return np.array(to_zyx(shaped, "ZYXS" if components > 1 else "ZYX", job))
+    return np.array(to_zyx(shaped, "ZYXS" if components > 1 else "ZYX", request))

@@ -76,7 +76,7 @@ def brick_gradient_bounds(
 
 
 def visible_plane_sums(opacity: npt.ArrayLike) -> npt.NDArray[np.int64]:
-    """Counts of visible entries below and to the left, from which `occupancy_by_gradient` answers each brick.
+    """Counts of visible entries below and to the left, from which `occupancy_2d` answers each brick.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def visible_plane_sums(opacity: npt.ArrayLike) -> npt.NDArray[np.int64]:
     return sums
 
 
-def occupancy_by_gradient(
+def occupancy_2d(
     values: tuple[Float32Array, Float32Array],
     gradients: tuple[Float32Array, Float32Array] | None,
     sums: npt.NDArray[np.int64],

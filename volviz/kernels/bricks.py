@@ -6,7 +6,7 @@ trilinear or nearest sample whose brick is found as ``floor(p / 8)`` from the co
 also as ``floor((p + 0.5) / 8)`` from a texture coordinate times N; neighbouring bricks' intervals overlap.
 
 A ray that stands in an empty brick with chessboard distance c may skip everything inside the cube of bricks
-that reaches c - 1 bricks to each side of its own. Where a picture needs two consecutive samples
+that reaches c - 1 bricks to each side of its own. Where an image needs two consecutive samples
 (pre-integration, isosurface crossings), a segment may be skipped only when *both* its ends lie in empty
 bricks; for steps no longer than a brick nothing between them is missed then, because the two intervals
 overlap.
@@ -171,7 +171,7 @@ def occupancy_for_isovalues(mins: Float32Array, maxs: Float32Array, isovalues: S
     mins, maxs : ndarray of shape (b_z, b_y, b_x), float32
         From `brick_min_max`, in data units.
     isovalues : sequence of floats
-        In data units; none gives an empty picture.
+        In data units; none gives an empty image.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """How kernels are compiled: one decorator, so that all release the lock and keep their code on disk.
 
 numba itself is imported with the first call of a kernel. It takes longer to import than most kernels take to run, and
-the first picture of a volume needs none of them.
+the first image of a volume needs none of them.
 """
 
 from __future__ import annotations

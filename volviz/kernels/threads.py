@@ -76,7 +76,7 @@ def map_ranges(
         Does its work with the interpreter lock released for most of the time; must not use `map_ranges`
         itself.
     count : int
-        Length of the range (slices or bricks along z, rows of a picture).
+        Length of the range (slices or bricks along z, rows of an image).
     pieces : int, optional
         Number of pieces; default four per processor, so that uneven work spreads.
 

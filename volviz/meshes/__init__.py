@@ -1,1 +1,1 @@
-"""Triangle meshes: extraction from a volume, filters, figures, files."""
+"""Triangle meshes: extraction from a volume, filters, metrics, files."""

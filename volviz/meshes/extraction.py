@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 Array = npt.NDArray[Any]
 

@@ -145,7 +145,7 @@ def _write(
     furthest = 0.0
     errors: list[Exception] = []
 
-    def told(_writer: Any, _event: str) -> None:
+    def report(_writer: Any, _event: str) -> None:
         nonlocal furthest
         try:
             # some writers tell the end of each part as the end of all
@@ -158,7 +158,7 @@ def _write(
             errors.append(error)
             writer.SetAbortExecute(True)
 
-    observer = writer.AddObserver("ProgressEvent", told)
+    observer = writer.AddObserver("ProgressEvent", report)
     try:
         writer.Write()
     finally:

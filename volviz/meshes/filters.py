@@ -55,7 +55,7 @@ def filter_triangles(
     progress : callable, optional
         Called with the finished fraction, 0..1, on the thread that works.
     cancel : callable, optional
-        Asked whenever VTK tells its progress; when it returns True the work ends with `Cancelled`.
+        Asked whenever VTK reports its progress; when it returns True the work ends with `Cancelled`.
 
     Returns
     -------
@@ -129,10 +129,10 @@ def _run(
     progress: Callable[[float], object] | None,
     cancel: Callable[[], bool] | None,
 ) -> vtkPolyData:
-    """Run one filter of VTK, which tells its progress and is asked to stop through its own events."""
+    """Run one filter of VTK, which reports its progress and is asked to stop through its own events."""
     errors: list[Exception] = []
 
-    def told(_filter: Any, _event: str) -> None:
+    def report(_filter: Any, _event: str) -> None:
         try:
             if progress is not None:
                 progress(begin + share * step.GetProgress())
@@ -144,7 +144,7 @@ def _run(
 
     if cancel is not None and cancel():
         raise Cancelled("The work on the mesh was cancelled.")
-    observer = step.AddObserver("ProgressEvent", told)
+    observer = step.AddObserver("ProgressEvent", report)
     try:
         step.SetInputData(mesh)
         step.Update()

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from volviz import environment
 from volviz.errors import Cancelled, LoadError
-from volviz.vtk_messages import vtk_complaints
+from volviz.io.vtk_messages import vtk_complaints
 
 environment.prepare()
 

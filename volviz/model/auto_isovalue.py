@@ -9,10 +9,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from volviz.kernels.histogram import even_histogram
-from volviz.model.first_look import FirstLook
+from volviz.model.transfer.first_look import FirstLook
 
 if TYPE_CHECKING:
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
 BINS = 128
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import InputError
-from volviz.model.vectors import Vector, finite_vector
+from volviz.volume_data.vectors import Vector, finite_vector
 
 #: The near plane lies no nearer than this share of the distance of the far plane.
 NEAREST = 0.001

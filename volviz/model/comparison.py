@@ -33,9 +33,9 @@ class Comparison:
     pair : tuple of 2 ints
         Numbers of the compared views: A, left of the line of a wipe and taken away in a difference, and B.
     divider : float
-        Where the wipe passes from one picture to the other, as a fraction of the width, 0..1.
+        Where the wipe passes from one image to the other, as a fraction of the width, 0..1.
     period : float
-        Seconds for which one picture stays before it blinks to the other, 0.2..5.
+        Seconds for which one image stays before it blinks to the other, 0.2..5.
     map : {"signed", "absolute", "ssim"}
         What the difference shows: the difference with or without its sign, or the structural similarity.
     channel : {"luminance", "rgb", "red", "green", "blue"}

@@ -10,7 +10,7 @@ from volviz.model.camera import Camera
 Vector = tuple[float, float, float]
 
 #: The view that the plane faces: degrees about the upright axis and above the horizon, from the front. The
-#: first view of a volume is the same (`volviz.framing.default_camera`).
+#: first view of a volume is the same (`volviz.custom_gl.framing.default_camera`).
 AZIMUTH, ELEVATION = -30.0, 15.0
 
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from volviz.errors import InputError
 from volviz.model.named_colors import checked_color
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeKey, VolumeRef
 from volviz.volume_data.source import VolumeSource
+from volviz.volume_data.volume import Volume
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from volviz.errors import InputError
-from volviz.model.vectors import Vector, finite_vector
+from volviz.volume_data.vectors import Vector, finite_vector
 
 Color = tuple[float, float, float]
 

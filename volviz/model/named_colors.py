@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from volviz.errors import InputError
-from volviz.model.vectors import finite_vector
+from volviz.volume_data.vectors import finite_vector
 
 Color = tuple[float, float, float]
 

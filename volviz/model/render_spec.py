@@ -1,4 +1,4 @@
-"""What is drawn, and from where: the two values that decide a picture."""
+"""What is drawn, and from where: the two values that decide an image."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class RenderSpec:
 
 @dataclass(frozen=True)
 class View:
-    """From where it is seen, and how large the picture is.
+    """From where it is seen, and how large the image is.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class View:
     size : tuple of 2 ints
         Width and height in pixels.
     background : tuple of 3 floats or None
-        Red, green, blue (0..1) behind an opaque picture; None keeps the picture's own alpha.
+        Red, green, blue (0..1) behind an opaque image; None keeps the image's own alpha.
     clipping_range : tuple of 2 floats or None
         World distances from the eye, along the view, of the near and the far plane; None puts them around the volume.
     """

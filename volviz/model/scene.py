@@ -1,4 +1,4 @@
-"""The scene: a frozen tree of values that decides the picture."""
+"""The scene: a frozen tree of values that decides the image."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class SceneView:
     settings : tuple of (technique id, settings)
         Settings of every technique that was changed, by id; the others have their defaults.
     camera : Camera or None
-        None until the first picture is framed.
+        None until the first image is framed.
     """
 
     technique: str = DEFAULT_TECHNIQUE
@@ -55,7 +55,7 @@ class SceneView:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything that decides the picture, as one value.
+    """Everything that decides the image, as one value.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of, setting_values
 from volviz.model.scene import Scene, SceneView
-from volviz.model.transfer_function import TransferFunction
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 
 #: Version that this program writes.

@@ -150,7 +150,7 @@ class SurfaceColors:
 
 @dataclass(frozen=True)
 class DistanceColoring:
-    """The wish that a surface is coloured by its distance to the one that another technique draws of the same volume.
+    """A request to colour a surface by its distance to the one that another technique draws of the same volume.
 
     Attributes
     ----------

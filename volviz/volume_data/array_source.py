@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from volviz.errors import InputError
-from volviz.model.volume import Volume, checked_direction
 from volviz.volume_data.description import Channel, Description, Level, Statistics
 from volviz.volume_data.source import ReadRequest, VolumeSource
+from volviz.volume_data.volume import Volume, checked_direction
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from volviz.errors import InputError
-from volviz.model.vectors import finite_vector
-from volviz.model.volume import check_dimensions, checked_direction, checked_spacing
+from volviz.volume_data.vectors import finite_vector
+from volviz.volume_data.volume import check_dimensions, checked_direction, checked_spacing
 
 Box = tuple[int, int, int, int, int, int]
 Color = tuple[float, float, float]

@@ -13,8 +13,8 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from volviz.errors import Cancelled, InputError
-from volviz.model.volume import Volume
 from volviz.volume_data.description import Box, Channel, Description, Label, Level, Statistics
+from volviz.volume_data.volume import Volume
 
 if TYPE_CHECKING:
     import numpy.typing as npt

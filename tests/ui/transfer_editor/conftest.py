@@ -11,15 +11,15 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
 from volviz.model.layers import ImageLayer
-from volviz.model.own_presets import OwnPresets
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.own_presets import OwnPresets
 from volviz.volume_data.references import VolumeKey, VolumeRef
-from volviz_ui.documents import Documents
+from volviz.volume_data.volume import Volume
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.workers import Workers
 from volviz_ui.transfer_editor import TransferEditor
-from volviz_ui.workers import Workers
 
 NONE = Qt.KeyboardModifier.NoModifier
 

@@ -14,12 +14,12 @@ from PySide6.QtWidgets import QColorDialog
 from tests.ui.transfer_editor.conftest import ct_like, documents_of, show, start_function
 from volviz.errors import VolvizError
 from volviz.model.layers import ImageLayer
-from volviz.model.presets import preset, preset_for, presets
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.presets import preset, preset_for, presets
 from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.volume import Volume
 from volviz_ui.transfer_editor import TransferEditor
 from volviz_ui.transfer_editor.arrange import add_shape, arrange, arrangements, shapes
 

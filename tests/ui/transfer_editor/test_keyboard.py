@@ -177,24 +177,24 @@ def test_without_a_volume_nothing_can_be_edited_and_nothing_breaks(editor, store
 
 def test_colours_of_the_ramp_are_chosen_moved_added_and_removed(editor, store, qtbot) -> None:
     plot, model = editor.plot, editor.model
-    count = len(model.lanes[0])
+    count = len(model.channels[0])
     qtbot.keyClick(plot, Qt.Key.Key_Period)
     qtbot.keyClick(plot, Qt.Key.Key_Period)
-    assert model.stop == 1
+    assert model.color_point == 1
     assert plot.accessibleDescription().startswith(f"Colour 2 of {count}")
-    before, opacities = model.lanes[0][1].value, model.lanes[1]
+    before, opacities = model.channels[0][1].value, model.channels[1]
     qtbot.keyClick(plot, Qt.Key.Key_Right)
-    assert model.lanes[0][1].value > before
-    assert model.lanes[1] == opacities
+    assert model.channels[0][1].value > before
+    assert model.channels[1] == opacities
     qtbot.keyClick(plot, Qt.Key.Key_Insert, Qt.KeyboardModifier.ShiftModifier)
-    assert len(model.lanes[0]) == count + 1
-    assert model.stop == 2
+    assert len(model.channels[0]) == count + 1
+    assert model.color_point == 2
     qtbot.keyClick(plot, Qt.Key.Key_Delete)
-    assert len(model.lanes[0]) == count
+    assert len(model.channels[0]) == count
     qtbot.keyClick(plot, Qt.Key.Key_Comma)
-    assert model.stop == count - 1
+    assert model.color_point == count - 1
     qtbot.keyClick(plot, Qt.Key.Key_Escape)
-    assert model.stop is None
+    assert model.color_point is None
 
 
 def test_isovalues_are_chosen_and_moved(editor, store, qtbot) -> None:

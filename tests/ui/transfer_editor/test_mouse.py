@@ -208,10 +208,10 @@ def test_double_click_on_the_strip_adds_a_colour_that_del_removes(editor, store,
     before = function(store)
     at = QPointF(plot.places.x(700), plot.places.ramp.center().y()).toPoint()
     qtbot.mouseDClick(plot, Qt.MouseButton.LeftButton, pos=at)
-    assert editor.model.stop == 3
-    assert len(editor.model.lanes[0]) == 5
+    assert editor.model.color_point == 3
+    assert len(editor.model.channels[0]) == 5
     qtbot.keyClick(plot, Qt.Key.Key_Right, SHIFT)
-    assert editor.model.lanes[0][3].value > 705
+    assert editor.model.channels[0][3].value > 705
     qtbot.keyClick(plot, Qt.Key.Key_Delete)
     probe = np.linspace(-900, 1400, 200)
     np.testing.assert_allclose(function(store).evaluate(probe), before.evaluate(probe), atol=1e-9)
@@ -256,7 +256,7 @@ def test_the_histogram_stands_where_the_voxels_are(editor) -> None:
 
 
 def test_values_that_never_occur_make_no_comb(editor) -> None:
-    from volviz_ui.transfer_editor.counting import Counts
+    from volviz_ui.transfer_editor.histogram_worker import Counts
 
     edges = np.arange(-0.5, 400.5)
     used = np.where(np.arange(400) % 4 == 0, 1000.0, 0.0)

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtWidgets import QColorDialog
 
-from volviz.model.transfer_function_2d import Region, TransferFunction2D
+from volviz.model.transfer.function_2d import Region, TransferFunction2D
 
 Key = Qt.Key
 
@@ -150,6 +150,6 @@ def test_a_pixel_of_the_picture_shows_the_count_of_its_place(plane, editor) -> N
     j, i = divmod(int(histogram.counts.argmax()), histogram.counts.shape[1])
     value = (histogram.value_edges[i] + histogram.value_edges[i + 1]) / 2
     gradient = (histogram.gradient_edges[j] + histogram.gradient_edges[j + 1]) / 2
-    picture = plane._histogram_picture()
+    image = plane._histogram_image()
     x, y = plane.x(value) - plane.plot.left(), plane.y(gradient) - plane.plot.top()
-    assert picture.pixelColor(round(x - 0.5), round(y - 0.5)).alpha() > 150
+    assert image.pixelColor(round(x - 0.5), round(y - 0.5)).alpha() > 150

@@ -10,7 +10,7 @@ import pytest
 from volviz.compare.convergence import fitted_line, study, why_not
 from volviz.custom_gl.registry import technique, techniques
 from volviz.custom_gl.study import STRIDES, diagonal, splat_distance, splat_lattices
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 DISTANCES = (4.0, 2.8, 2.0, 1.4, 1.0)
 

@@ -69,12 +69,12 @@ def test_of_two_concentric_spheres_the_larger_one_lies_outside():
 def test_the_figures_are_those_of_the_distance_of_both_surfaces():
     first, second = lumps(2), lumps(2, "tetrahedra")
     maps = distance_maps(first, second)
-    figures = surface_distance(first, second)
-    assert (maps[0].maximum, maps[1].maximum) == pytest.approx((figures.forward, figures.backward), abs=1e-6)
+    metrics = surface_distance(first, second)
+    assert (maps[0].maximum, maps[1].maximum) == pytest.approx((metrics.forward, metrics.backward), abs=1e-6)
     assert (maps[0].mean, maps[1].mean) == pytest.approx(
-        (figures.forward_mean, figures.backward_mean), abs=1e-6
+        (metrics.forward_mean, metrics.backward_mean), abs=1e-6
     )
-    assert (maps[0].rms, maps[1].rms) == pytest.approx((figures.forward_rms, figures.backward_rms), abs=1e-6)
+    assert (maps[0].rms, maps[1].rms) == pytest.approx((metrics.forward_rms, metrics.backward_rms), abs=1e-6)
 
 
 def test_middles_tell_of_a_surface_through_the_same_vertices():

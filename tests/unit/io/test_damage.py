@@ -49,12 +49,12 @@ def test_a_file_in_several_gzip_members_is_read(tmp_path):
 
 
 def test_a_long_stream_is_unpacked_in_blocks_to_the_same_values(tmp_path, monkeypatch):
-    from volviz.io import stored
+    from volviz.io import raw_payload
 
     array = scalars((40, 50, 60), "uint16")
     path = itk(tmp_path / "v.nii.gz", array, compressed=True)
-    monkeypatch.setattr(stored, "ONE_SHOT_BYTES", 0)
-    monkeypatch.setattr(stored, "BLOCK", 10_000)
+    monkeypatch.setattr(raw_payload, "ONE_SHOT_BYTES", 0)
+    monkeypatch.setattr(raw_payload, "BLOCK", 10_000)
     told: list[float] = []
     np.testing.assert_array_equal(load(path, progress=lambda fraction, _: told.append(fraction)).array, array)
     assert len(told) > 20
@@ -65,10 +65,10 @@ def test_a_long_stream_is_unpacked_in_blocks_to_the_same_values(tmp_path, monkey
 def test_values_that_fail_their_checksum_are_refused(tmp_path, monkeypatch, one_shot):
     import gzip
 
-    from volviz.io import stored
+    from volviz.io import raw_payload
 
     if not one_shot:
-        monkeypatch.setattr(stored, "ONE_SHOT_BYTES", 0)
+        monkeypatch.setattr(raw_payload, "ONE_SHOT_BYTES", 0)
     array = scalars((4, 5, 6), "uint8")
     packed = bytearray(gzip.compress(array.tobytes(), compresslevel=0))
     path = tmp_path / "v_6x5x4_uint8.raw.gz"

@@ -230,9 +230,9 @@ def test_a_mosaic_is_cut_into_its_slices(tmp_path):
     folder.mkdir()
     tiles = scalars((2, 4, 5, 7), "int16") // 40
     for t, slices in enumerate(tiles):
-        picture = slices.reshape(2, 2, 5, 7).transpose(0, 2, 1, 3).reshape(10, 14)
+        image = slices.reshape(2, 2, 5, 7).transpose(0, 2, 1, 3).reshape(10, 14)
         path = dicom_slice(
-            folder / f"{t}.dcm", picture, (-3.5 * 0.7, -2.5 * 1.1, 0), ImageType=["ORIGINAL", "PRIMARY", "M", "MOSAIC"],
+            folder / f"{t}.dcm", image, (-3.5 * 0.7, -2.5 * 1.1, 0), ImageType=["ORIGINAL", "PRIMARY", "M", "MOSAIC"],
             SpacingBetweenSlices="3", AcquisitionNumber=t + 1,
         )  # fmt: skip
         import pydicom

@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.spatial.transform import Rotation
 
 from tests.unit.kernels.cameras import look_at, orthographic, perspective
-from volviz.kernels.reference_rays import index_to_world_matrix
+from volviz.reference.rays import index_to_world_matrix
 
 
 def smooth_field(seed=5, shape=(14, 16, 12), sigma=1.5):

@@ -8,11 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from volviz.errors import InputError
-from volviz.kernels.brick_gradients import (
-    brick_gradient_bounds,
-    occupancy_by_gradient,
-    visible_plane_sums,
-)
+from volviz.kernels.brick_gradients import brick_gradient_bounds, occupancy_2d, visible_plane_sums
 from volviz.kernels.bricks import brick_min_max
 from volviz.kernels.gradient import gradient_magnitude
 
@@ -44,8 +40,8 @@ def test_bricks_with_a_visible_voxel_are_occupied_and_far_ones_are_not(seed, wid
     opacity[j : j + max(int(33 * height), 1), i : i + max(int(65 * width), 1)] = 0.5
     sums = visible_plane_sums(opacity)
     values = brick_min_max(field)
-    by_both = occupancy_by_gradient(values, brick_gradient_bounds(field, spacing=spacing), sums, *ranges)
-    by_value = occupancy_by_gradient(values, None, sums, *ranges)
+    by_both = occupancy_2d(values, brick_gradient_bounds(field, spacing=spacing), sums, *ranges)
+    by_value = occupancy_2d(values, None, sums, *ranges)
     assert not np.any(by_both & ~by_value), "knowing more must not show more"
     column = np.rint((field - ranges[0][0]) / (ranges[0][1] - ranges[0][0]) * 64).astype(int)
     row = np.rint(magnitude / ranges[1][1] * 32).astype(int)
@@ -60,7 +56,7 @@ def test_a_flat_brick_is_empty_under_a_region_of_steep_places() -> None:
     field[:, :, 16:] = 1.0
     opacity = np.zeros((64, 64))
     opacity[32:, :] = 1.0
-    occupied = occupancy_by_gradient(
+    occupied = occupancy_2d(
         brick_min_max(field), brick_gradient_bounds(field), visible_plane_sums(opacity), (0, 1), (0, 1)
     )
     assert not occupied[:, :, 0].any()

@@ -60,7 +60,7 @@ import sys
 import numpy as np
 import pytest
 import volviz
-from volviz.custom_gl.gpu.scalars import bricks_of, levels_of
+from volviz.volume_data.scalars import bricks_of, levels_of
 from volviz.custom_gl.registry import techniques
 from volviz.kernels.bricks import chessboard_distance, occupancy, visible_prefix
 from volviz.model.auto_isovalue import auto_isovalue

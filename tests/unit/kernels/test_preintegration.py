@@ -10,12 +10,7 @@ from hypothesis import strategies as st
 from tests.unit.kernels.scenes import colorful_table
 from tests.unit.kernels.timing import processor_seconds
 from volviz.errors import InputError
-from volviz.kernels.preintegration import (
-    MAX_OPACITY,
-    extinction_sums,
-    preintegration_table,
-    segment_color,
-)
+from volviz.kernels.preintegration import MAX_OPACITY, extinction_sums, preintegration_table, segment_color
 
 
 def by_quadrature(table, front, back, length, count=200_000):

@@ -11,8 +11,8 @@ from tests.unit.kernels.cameras import look_at, orthographic
 from tests.unit.kernels.scenes import colorful_table, scene, smooth_field
 from tests.unit.kernels.slow_renderer import SlowRenderer
 from volviz.errors import InputError
-from volviz.kernels.reference import MODES, Shading, reference_render
-from volviz.kernels.reference_rays import pixel_rays
+from volviz.reference.image import MODES, Shading, reference_render
+from volviz.reference.rays import pixel_rays
 
 FLAT = np.array([[1.0, 0.5, 0.25, 0.05]] * 2)
 
@@ -48,7 +48,7 @@ def test_a_second_implementation_gives_the_same_pixels(options, left_handed, par
     array, table, value_range = smooth_field() * 900 - 200, colorful_table(), (-150.0, 650.0)
     geometry, camera, matrix = scene(left_handed=left_handed, parallel=parallel)
     o = in_scene_units(options, matrix)
-    picture = reference_render(
+    image = reference_render(
         array, **geometry, **camera, table=table, value_range=value_range, step_world=0.73, **o
     )
     starts, directions, lengths = pixel_rays(camera["view"], camera["projection"], camera["size"])
@@ -57,8 +57,8 @@ def test_a_second_implementation_gives_the_same_pixels(options, left_handed, par
     )
     threshold = o.get("density_threshold", 0)
     crop = o.get("crop", (0, 11, 0, 15, 0, 13))
-    expected = np.zeros_like(picture)
-    for pixel in np.ndindex(picture.shape[:2]):
+    expected = np.zeros_like(image)
+    for pixel in np.ndindex(image.shape[:2]):
         expected[pixel] = slow.pixel(
             starts[pixel], directions[pixel], lengths[pixel],
             step=0.73,
@@ -75,7 +75,7 @@ def test_a_second_implementation_gives_the_same_pixels(options, left_handed, par
             termination=o.get("early_termination", 1.0),
         )  # fmt: skip
     assert (expected[..., 3] > 0.02).sum() > 10
-    np.testing.assert_allclose(picture, expected, atol=1e-10)
+    np.testing.assert_allclose(image, expected, atol=1e-10)
 
 
 def in_scene_units(options, matrix):
@@ -94,17 +94,17 @@ def in_scene_units(options, matrix):
 def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray_and_step(seed, step, parallel):
     array = np.full((14, 16, 12), 200, np.uint8)
     geometry, camera, matrix = scene(seed, left_handed=seed % 2 == 1, parallel=parallel)
-    picture = reference_render(
+    image = reference_render(
         array, **geometry, **camera, table=FLAT, value_range=(0, 255), step_world=step, unit_distance=1.0
     )
     slow = SlowRenderer(array, matrix, FLAT, (0, 255))
     starts, directions, lengths = pixel_rays(camera["view"], camera["projection"], camera["size"])
     hit = 0
-    for pixel in np.ndindex(picture.shape[:2]):
+    for pixel in np.ndindex(image.shape[:2]):
         near, far = slow.interval(starts[pixel], directions[pixel], lengths[pixel], (0, 11, 0, 15, 0, 13), ())
         inside = max(far - near, 0.0)
         exact = -np.expm1(np.log(0.95) * inside)
-        np.testing.assert_allclose(picture[pixel], exact * np.array([1, 0.5, 0.25, 1]), atol=1e-12)
+        np.testing.assert_allclose(image[pixel], exact * np.array([1, 0.5, 0.25, 1]), atol=1e-12)
         hit += inside > 0
     assert hit >= 5
 
@@ -112,16 +112,16 @@ def test_a_homogeneous_box_has_beer_lambert_alpha_for_every_ray_and_step(seed, s
 @pytest.mark.parametrize("step", [0.25, 0.9, 1.0, 1.7, 3.3])
 def test_first_sample_1_counts_whole_steps_only_as_vtk_does(step):
     box = np.full((40, 40, 40), 200, np.uint8)
-    picture = reference_render(
+    image = reference_render(
         box, table=FLAT, value_range=(0, 255), view=look_at((19.5, 19.5, 100), (19.5, 19.5, 19.5), (0, 1, 0)),
         projection=orthographic(10), size=(1, 1), step_world=step, unit_distance=1.0, first_sample=1.0,
     )  # fmt: skip
     whole = int(39 / step + 1e-9)
-    np.testing.assert_allclose(picture[0, 0, 3], 1 - 0.95 ** (whole * step), atol=1e-12)
+    np.testing.assert_allclose(image[0, 0, 3], 1 - 0.95 ** (whole * step), atol=1e-12)
 
 
-def picture_errors(steps, table, **options):
-    """Mean error of the picture against one with a far finer step, for each step."""
+def image_errors(steps, table, **options):
+    """Mean error of the image against one with a far finer step, for each step."""
     array = smooth_field(3, (12, 12, 12))
     geometry, camera, _ = scene(3, (12, 12, 12), size=(24, 24))
 
@@ -142,11 +142,11 @@ STEPS = np.array([1.0, 0.5, 0.25, 0.125, 0.0625])
 
 
 def test_the_midpoint_rule_converges_with_order_2_for_a_continuous_transfer_function():
-    assert abs(slope(STEPS, picture_errors(STEPS, colorful_table(4096))) - 2) < 0.3
+    assert abs(slope(STEPS, image_errors(STEPS, colorful_table(4096))) - 2) < 0.3
 
 
 def test_samples_at_the_near_end_converge_with_order_1_only():
-    errors = picture_errors(STEPS, colorful_table(4096), first_sample=0.0)
+    errors = image_errors(STEPS, colorful_table(4096), first_sample=0.0)
     assert abs(slope(STEPS, errors) - 1) < 0.3
 
 
@@ -157,12 +157,12 @@ def jumping_table(n=65536):
 
 
 def test_jumps_in_the_transfer_function_lower_the_order_to_1():
-    assert abs(slope(STEPS, picture_errors(STEPS, jumping_table())) - 1) < 0.3
+    assert abs(slope(STEPS, image_errors(STEPS, jumping_table())) - 1) < 0.3
 
 
 @pytest.mark.parametrize("table", [colorful_table(4096), jumping_table(4096)], ids=["continuous", "jumps"])
 def test_preintegration_converges_with_order_2(table):
-    assert abs(slope(STEPS, picture_errors(STEPS, table, preintegrated=True)) - 2) < 0.3
+    assert abs(slope(STEPS, image_errors(STEPS, table, preintegrated=True)) - 2) < 0.3
 
 
 def test_preintegration_agrees_with_very_fine_sampling():
@@ -207,32 +207,32 @@ def test_a_density_threshold_acts_alike_with_and_without_preintegration():
 def test_the_first_row_is_the_top_and_axes_are_not_mirrored():
     array = np.zeros((9, 9, 9))
     array[7, 4, 1] = 1  # high z, low x
-    picture = reference_render(
+    image = reference_render(
         array, table=[[1, 1, 1, 0], [1, 1, 1, 1]], value_range=(0, 1), view=look_at((4, -50, 4), (4, 4, 4)),
         projection=orthographic(4.5), size=(9, 9), step_world=0.25, mode="maximum",
     )  # fmt: skip
-    row, column = np.unravel_index(picture[..., 3].argmax(), (9, 9))
+    row, column = np.unravel_index(image[..., 3].argmax(), (9, 9))
     assert (row, column) == (1, 1)
 
 
 def test_the_box_reaches_from_the_first_to_the_last_voxel_centre():
     array = np.ones((5, 5, 5))
-    picture = reference_render(
+    image = reference_render(
         array, (2.0, 2.0, 2.0), (-4.0, -4.0, -4.0), table=FLAT, value_range=(0, 1), step_world=1.0,
         view=look_at((0, 0, 50), (0, 0, 0), (0, 1, 0)), projection=orthographic(5.0), size=(100, 100),
     )  # fmt: skip
-    covered = picture[..., 3] > 0
+    covered = image[..., 3] > 0
     assert covered.any(0).sum() == 80  # 8 of 10 world units
     np.testing.assert_array_equal(covered, covered[::-1, ::-1])
 
 
 def test_a_camera_inside_sees_what_lies_in_front_of_its_near_plane():
     box = np.ones((21, 21, 21))
-    picture = reference_render(
+    image = reference_render(
         box, table=FLAT, value_range=(0, 1), view=look_at((10, 10, 10), (10, 10, 0), (0, 1, 0)),
         projection=orthographic(1, near=2.0, far=100.0), size=(1, 1), step_world=0.3, unit_distance=1.0,
     )  # fmt: skip
-    np.testing.assert_allclose(picture[0, 0, 3], 1 - 0.95**8, atol=1e-12)
+    np.testing.assert_allclose(image[0, 0, 3], 1 - 0.95**8, atol=1e-12)
 
 
 def test_averages_and_extremes_of_a_ramp_are_exact():
@@ -281,9 +281,9 @@ def test_nan_and_infinities_count_as_the_lowest_value():
     field = smooth_field()
     field[3, 4, 5], field[7, 8, 6] = np.nan, np.inf
     clean = np.where(np.isfinite(field), field, field[np.isfinite(field)].min())
-    picture = reference_render(field, **common)
-    np.testing.assert_array_equal(picture, reference_render(clean, **common))
-    assert np.all(np.isfinite(picture))
+    image = reference_render(field, **common)
+    np.testing.assert_array_equal(image, reference_render(clean, **common))
+    assert np.all(np.isfinite(image))
 
 
 @pytest.mark.parametrize(

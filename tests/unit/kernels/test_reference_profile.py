@@ -1,4 +1,4 @@
-"""One ray of the oracle against the oracle's whole picture, and why rays begin and end."""
+"""One ray of the oracle against the oracle's whole image, and why rays begin and end."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from tests.unit.kernels.cameras import look_at, orthographic
 from tests.unit.kernels.scenes import colorful_table, scene, smooth_field
 from tests.unit.kernels.test_reference import OPTIONS, in_scene_units
 from volviz.kernels.preintegration import extinction_sums
-from volviz.kernels.reference import Shading, reference_render
-from volviz.kernels.reference_profile import (
+from volviz.reference.image import Shading, reference_render
+from volviz.reference.ray_profile import (
     Lattice,
     Optics,
     RayProfile,
@@ -70,15 +70,15 @@ def test_the_last_accumulated_colour_is_the_pixel_of_the_oracle(options, paralle
     array, table = smooth_field() * 900 - 200, colorful_table()
     geometry, camera, matrix = scene(parallel=parallel)
     o = in_scene_units(options, matrix)
-    picture = reference_render(
+    image = reference_render(
         array, **geometry, **camera, table=table, value_range=RANGE, step_world=0.73, **o
     )
-    assert (picture[..., 3] > 0.02).sum() > 10
+    assert (image[..., 3] > 0.02).sum() > 10
     width, height = camera["size"]
     for row in range(height):
         for column in range(width):
             profile = profile_of(array, matrix, camera, (column, row), table, o)
-            np.testing.assert_allclose(profile.color, picture[row, column], atol=1e-9)
+            np.testing.assert_allclose(profile.color, image[row, column], atol=1e-9)
 
 
 def test_integers_and_broken_floats_are_read_in_place():
@@ -87,7 +87,7 @@ def test_integers_and_broken_floats_are_read_in_place():
     broken = integers.astype(np.float32)
     broken[7, 8, 6] = np.nan
     for array in (integers, broken):
-        picture = reference_render(
+        image = reference_render(
             array, **geometry, **camera, table=colorful_table(), value_range=RANGE, step_world=0.73
         )
         low = float(np.nanmin(array))
@@ -96,7 +96,7 @@ def test_integers_and_broken_floats_are_read_in_place():
         profile = ray_profile(
             Lattice(array, matrix, low, RANGE[1]), span, ray_pieces(span, 0.73, 0.5), optics
         )
-        np.testing.assert_allclose(profile.color, picture[3, 4], atol=1e-9)
+        np.testing.assert_allclose(profile.color, image[3, 4], atol=1e-9)
         assert np.isfinite(profile.values).all()
 
 

@@ -9,9 +9,9 @@ from tests.unit.kernels.cameras import look_at, orthographic
 from tests.unit.kernels.scenes import colorful_table, scene, smooth_field
 from tests.unit.kernels.slow_renderer import SlowRenderer
 from volviz.errors import InputError
-from volviz.kernels.reference import reference_render
-from volviz.kernels.reference_rays import pixel_rays
-from volviz.kernels.reference_shadows import reference_shadows
+from volviz.reference.image import reference_render
+from volviz.reference.rays import pixel_rays
+from volviz.reference.shadows import reference_shadows
 
 SHOWN = (0, 11, 0, 15, 0, 13)
 
@@ -37,7 +37,7 @@ def test_a_second_implementation_gives_the_same_pixels(light, options, left_hand
     if "clip_planes" in options:
         options["clip_planes"] = [(middle - np.array([1.0, 0, 0]), (0.8, 0.6, 0.0))]
     kappa, color, ambient = np.array([0.4, 1.0, 1.7]), np.array([1.0, 0.9, 0.7]), options.get("ambient", 0.0)
-    picture = reference_shadows(
+    image = reference_shadows(
         array, **geometry, **camera, table=table, value_range=(0, 1), step_world=0.9, light_step=1.1,
         unit_distance=1.3, light_position=light, light_color=color, kappa=kappa, **options,
     )  # fmt: skip
@@ -52,8 +52,8 @@ def test_a_second_implementation_gives_the_same_pixels(light, options, left_hand
         rgba[values < threshold, 3] = 0
         return rgba[:, :3], 1 - (1 - rgba[:, 3]) ** (d / 1.3)
 
-    expected = np.zeros_like(picture)
-    for pixel in np.ndindex(picture.shape[:2]):
+    expected = np.zeros_like(image)
+    for pixel in np.ndindex(image.shape[:2]):
         near, far = slow.interval(starts[pixel], rays[pixel], lengths[pixel], shown, planes)
         if far <= near:
             continue
@@ -69,13 +69,13 @@ def test_a_second_implementation_gives_the_same_pixels(light, options, left_hand
             rest = (1 - expected[pixel][3]) * a
             expected[pixel] += rest * np.append(c * (ambient + (1 - ambient) * color * shadow), 1)
     assert (expected[..., 3] > 0.02).sum() > 4
-    np.testing.assert_allclose(picture, expected, atol=1e-9)
+    np.testing.assert_allclose(image, expected, atol=1e-9)
 
 
 def test_light_decays_exponentially_into_a_homogeneous_box():
     n, a = 21, 0.06
     kappa = np.array([0.5, 1.0, 2.0])
-    picture = reference_shadows(
+    image = reference_shadows(
         np.ones((n, n, n)), table=[[0.9, 0.8, 0.7, a]] * 2, value_range=(0, 1), unit_distance=1.0,
         view=look_at((10, -60, 10), (10, 10, 10)), projection=orthographic(10), size=(3, 10), step_world=0.7,
         light_position=(10, 10, 1e9), kappa=kappa, light_color=(1, 0.5, 0.25),
@@ -83,8 +83,8 @@ def test_light_decays_exponentially_into_a_homogeneous_box():
     depth = (np.arange(10) + 0.5) * 2.0  # below the top face
     alpha = 1 - (1 - a) ** 20.0
     light = (1 - a) ** (depth[:, None] * kappa) * (1, 0.5, 0.25)
-    np.testing.assert_allclose(picture[:, 1, :3], alpha * light * (0.9, 0.8, 0.7), atol=1e-6)
-    np.testing.assert_allclose(picture[:, 1, 3], alpha, atol=1e-12)
+    np.testing.assert_allclose(image[:, 1, :3], alpha * light * (0.9, 0.8, 0.7), atol=1e-6)
+    np.testing.assert_allclose(image[:, 1, 3], alpha, atol=1e-12)
 
 
 def test_without_attenuation_it_is_the_plain_composite():
@@ -101,11 +101,11 @@ def test_an_opaque_plate_casts_a_hard_shadow():
     array[17:20, :, :12] = 1.0
     table = np.zeros((3, 4))
     table[1], table[2] = (1, 1, 1, 0.02), (1, 1, 1, 1.0)
-    picture = reference_shadows(
+    image = reference_shadows(
         array, table=table, value_range=(0, 1), step_world=0.5, light_position=(11.5, 11.5, 1e6),
         view=look_at((11.5, -60, 11.5), (11.5, 11.5, 11.5)), projection=orthographic(11.5), size=(24, 24),
     )  # fmt: skip
-    below = picture[10:, :, 0] / picture[10:, :, 3]
+    below = image[10:, :, 0] / image[10:, :, 3]
     assert below[:, :11].max() < 0.01
     assert below[:, 14:].min() > 0.5
 
@@ -120,8 +120,8 @@ def test_the_light_step_converges():
         step_world=1.0,
         light_position=(60, -40, 70),
     )
-    best, *pictures = (reference_shadows(smooth_field(), **common, light_step=s) for s in (0.02, 2.0, 0.5))
-    coarse, fine = (np.abs(p - best).mean() for p in pictures)
+    best, *images = (reference_shadows(smooth_field(), **common, light_step=s) for s in (0.02, 2.0, 0.5))
+    coarse, fine = (np.abs(p - best).mean() for p in images)
     assert fine < coarse / 6
 
 

@@ -8,9 +8,9 @@ import pytest
 from tests.unit.kernels.cameras import look_at, orthographic, perspective
 from tests.unit.kernels.scenes import scene, smooth_field
 from volviz.errors import InputError
-from volviz.kernels.reference_rays import index_to_world_matrix, pixel_rays
-from volviz.kernels.reference_sampling import Shading
-from volviz.kernels.reference_surface import reference_isosurface
+from volviz.reference.isosurface import reference_isosurface
+from volviz.reference.rays import index_to_world_matrix, pixel_rays
+from volviz.reference.sampling import Shading
 
 SPACING, ORIGIN = (0.5, 0.8, 1.1), (3.0, -2.0, 5.0)
 
@@ -36,7 +36,7 @@ def test_a_plane_is_hit_exactly_with_exact_normal_and_depth(parallel, left_hande
     normal = np.array([0.48, -0.6, 0.64])
     middle = matrix[:3] @ (5.5, 7.5, 6.5, 1)
     field = (world_grid(shape, **geometry) - middle) @ normal  # rises along `normal`
-    picture = reference_isosurface(
+    image = reference_isosurface(
         field,
         **geometry,
         **camera,
@@ -45,35 +45,35 @@ def test_a_plane_is_hit_exactly_with_exact_normal_and_depth(parallel, left_hande
         bisections=3,
         shading=Shading(gradient_delta=0.3),
     )
-    hit = picture.surface == 0
+    hit = image.surface == 0
     assert hit.sum() > 15
     starts, rays, _ = pixel_rays(camera["view"], camera["projection"], camera["size"])
     t = (0.7 - (starts - middle) @ normal) / (rays @ normal)
     expected = starts + t[..., None] * rays
-    np.testing.assert_allclose(picture.position[hit], expected[hit], atol=1e-9)
+    np.testing.assert_allclose(image.position[hit], expected[hit], atol=1e-9)
     clip = np.append(expected, np.ones((*hit.shape, 1)), -1) @ (camera["projection"] @ camera["view"]).T
-    np.testing.assert_allclose(picture.depth[hit], (clip[..., 2] / clip[..., 3] / 2 + 0.5)[hit], atol=1e-9)
-    inner = hit & (np.abs((picture.position - middle) @ np.linalg.inv(matrix[:3, :3]).T) < 5).all(-1)
+    np.testing.assert_allclose(image.depth[hit], (clip[..., 2] / clip[..., 3] / 2 + 0.5)[hit], atol=1e-9)
+    inner = hit & (np.abs((image.position - middle) @ np.linalg.inv(matrix[:3, :3]).T) < 5).all(-1)
     assert inner.sum() > 5
-    np.testing.assert_allclose(picture.normal[inner], np.broadcast_to(-normal, (inner.sum(), 3)), atol=1e-9)
-    assert np.all(picture.depth[~hit] == 1)
-    assert np.all(np.isnan(picture.position[~hit]))
-    assert np.all(picture.color[~hit] == 0)
+    np.testing.assert_allclose(image.normal[inner], np.broadcast_to(-normal, (inner.sum(), 3)), atol=1e-9)
+    assert np.all(image.depth[~hit] == 1)
+    assert np.all(np.isnan(image.position[~hit]))
+    assert np.all(image.color[~hit] == 0)
 
 
 def test_a_sphere_is_found_to_second_order_in_the_grid():
     errors, tilts = [], []
     for n in (17, 33, 65):
         field, spacing, origin = sphere(n)
-        picture = reference_isosurface(
+        image = reference_isosurface(
             field, spacing, origin, isovalues=[0.0], view=look_at((30, 10, 20), (0, 0, 0)),
             projection=perspective(30), size=(24, 24), step_world=0.4 * spacing[0], bisections=12,
         )  # fmt: skip
-        hit = picture.surface == 0
+        hit = image.surface == 0
         assert 100 < hit.sum() < 500
-        radius = np.linalg.norm(picture.position[hit], axis=-1)
+        radius = np.linalg.norm(image.position[hit], axis=-1)
         errors.append(np.abs(radius - 6).max())
-        cosine = (picture.normal[hit] * picture.position[hit]).sum(-1) / radius
+        cosine = (image.normal[hit] * image.position[hit]).sum(-1) / radius
         tilts.append(np.degrees(np.arccos(np.minimum(cosine, 1))).max())
     assert errors[-1] < 0.1 * 0.25
     assert tilts[-1] < 1.0
@@ -82,12 +82,12 @@ def test_a_sphere_is_found_to_second_order_in_the_grid():
 
 def test_a_camera_inside_a_sphere_sees_its_far_wall():
     field, spacing, origin = sphere(33)
-    picture = reference_isosurface(
+    image = reference_isosurface(
         field, spacing, origin, isovalues=[0.0], view=look_at((0, 0, 0), (1, 2, 3)),
         projection=perspective(40), size=(8, 8), step_world=0.3,
     )  # fmt: skip
-    assert np.all(picture.surface == 0)
-    np.testing.assert_allclose(np.linalg.norm(picture.position, axis=-1), 6, atol=0.05)
+    assert np.all(image.surface == 0)
+    np.testing.assert_allclose(np.linalg.norm(image.position, axis=-1), 6, atol=0.05)
 
 
 def test_translucent_surfaces_blend_front_to_back_in_their_order_along_the_ray():
@@ -109,11 +109,11 @@ def test_translucent_surfaces_blend_front_to_back_in_their_order_along_the_ray()
 def test_a_shell_thinner_than_two_steps_is_crossed_rising_and_falling():
     bump = np.maximum(0, 2.0 - np.abs(np.arange(33.0) - 16))
     field = np.broadcast_to(bump, (5, 5, 33))
-    picture = reference_isosurface(
+    image = reference_isosurface(
         field, isovalues=[1.0], opacities=0.5, colors=(1, 1, 1),
         view=look_at((-30, 2, 2), (4, 2, 2)), projection=orthographic(1), size=(1, 1), step_world=0.9,
     )  # fmt: skip
-    np.testing.assert_allclose(picture.color[0, 0, 3], 0.75, atol=1e-12)
+    np.testing.assert_allclose(image.color[0, 0, 3], 0.75, atol=1e-12)
 
 
 def test_more_bisections_bring_the_point_closer():
@@ -136,11 +136,11 @@ def test_more_bisections_bring_the_point_closer():
 
 def test_a_headlight_lights_a_facing_plane_fully():
     ramp = np.broadcast_to(np.arange(9.0), (9, 9, 9))
-    picture = reference_isosurface(
+    image = reference_isosurface(
         ramp, isovalues=[4.0], colors=(0.5, 0.4, 0.3), view=look_at((-30, 4, 4), (4, 4, 4)),
         projection=orthographic(1), size=(1, 1), step_world=0.5, shading=Shading(0.1, 0.6, 0.25, 250.0),
     )  # fmt: skip
-    np.testing.assert_allclose(picture.color[0, 0], [0.35 + 0.25, 0.28 + 0.25, 0.21 + 0.25, 1], atol=1e-12)
+    np.testing.assert_allclose(image.color[0, 0], [0.35 + 0.25, 0.28 + 0.25, 0.21 + 0.25, 1], atol=1e-12)
 
 
 def test_crop_and_clip_planes_cut_surfaces_away():
@@ -161,12 +161,12 @@ def test_crop_and_clip_planes_cut_surfaces_away():
 
 def test_a_surface_out_of_range_is_an_empty_picture():
     field, spacing, origin = sphere(9)
-    picture = reference_isosurface(
+    image = reference_isosurface(
         field, spacing, origin, isovalues=[99.0], view=look_at((30, 0, 0), (0, 0, 0)),
         projection=perspective(), size=(4, 4), step_world=0.5,
     )  # fmt: skip
-    assert np.all(picture.surface == -1)
-    assert not picture.color.any()
+    assert np.all(image.surface == -1)
+    assert not image.color.any()
 
 
 @pytest.mark.parametrize(

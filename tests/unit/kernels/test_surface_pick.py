@@ -8,8 +8,8 @@ import pytest
 from tests.unit.kernels.cameras import look_at, orthographic
 from tests.unit.kernels.scenes import scene, smooth_field
 from volviz.errors import InputError
-from volviz.kernels.reference_surface import reference_isosurface
-from volviz.kernels.surface_pick import pixel_ray, surface_on_ray
+from volviz.reference.isosurface import reference_isosurface
+from volviz.reference.surface_pick import pixel_ray, surface_on_ray
 
 RAMP = np.broadcast_to(np.arange(9.0), (9, 9, 9))
 
@@ -20,7 +20,7 @@ def test_the_picked_point_is_the_oracles_nearest_surface(interpolation, left_han
     field = smooth_field(2, (14, 16, 12))
     geometry, camera, matrix = scene(2, left_handed=left_handed)
     isovalues = [0.6, 0.7]
-    picture = reference_isosurface(
+    image = reference_isosurface(
         field, **geometry, **camera, isovalues=isovalues, step_world=0.4, bisections=16,
         interpolation=interpolation,
     )  # fmt: skip
@@ -32,11 +32,11 @@ def test_the_picked_point_is_the_oracles_nearest_surface(interpolation, left_han
             found = surface_on_ray(
                 field, matrix, ray, isovalues=isovalues, step_world=0.4, interpolation=interpolation
             )
-            assert (found is None) == (picture.surface[row, column] < 0)
+            assert (found is None) == (image.surface[row, column] < 0)
             if found is not None:
                 hits += 1
-                assert found.surface == picture.surface[row, column]
-                np.testing.assert_allclose(found.position, picture.position[row, column], atol=1e-9)
+                assert found.surface == image.surface[row, column]
+                np.testing.assert_allclose(found.position, image.position[row, column], atol=1e-9)
                 np.testing.assert_allclose(matrix[:3] @ (*found.voxel, 1), found.position, atol=1e-9)
                 if interpolation == "linear":
                     assert found.value == pytest.approx(isovalues[found.surface], abs=1e-4)

@@ -97,7 +97,7 @@ def test_kernels_load_neither_qt_nor_opengl_nor_vtk():
     code = """if True:
         import sys
         import volviz.kernels.bricks, volviz.kernels.brick_gradients, volviz.kernels.slices
-        import volviz.kernels.reference, volviz.kernels.reference_surface, volviz.kernels.reference_shadows
+        import volviz.reference.image, volviz.reference.isosurface, volviz.reference.shadows
         import volviz.kernels.preintegration, volviz.kernels.histogram, volviz.kernels.gradient
         import volviz.kernels.splats, volviz.kernels.statistics
         loaded = {name.split(".")[0] for name in sys.modules}

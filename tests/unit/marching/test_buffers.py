@@ -65,17 +65,17 @@ def test_small_arrays_and_very_large_ones_are_not_kept(monkeypatch):
     monkeypatch.setattr(buffers, "KEPT_BYTES", 3 * 2**20)
     buffers.new_array(10, np.float32)
     buffers.new_array(2**21, np.uint8)
-    assert buffers._kept == []
+    assert buffers._pool == []
     arrays = [buffers.new_array(2**20, np.uint8) for _ in range(6)]
     del arrays
-    assert 0 < sum(b.nbytes for b in buffers._kept) <= 3 * 2**20
+    assert 0 < sum(b.nbytes for b in buffers._pool) <= 3 * 2**20
 
 
 def test_much_larger_memory_is_not_taken_for_a_small_array():
     buffers.new_array(8 * COUNT, np.uint8)
-    assert len(buffers._kept) == 1
+    assert len(buffers._pool) == 1
     array = buffers.new_array(COUNT, np.uint8)
-    assert len(buffers._kept) == 1
+    assert len(buffers._pool) == 1
     assert array.nbytes == COUNT
 
 

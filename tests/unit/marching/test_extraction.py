@@ -20,10 +20,10 @@ from .meshes import DTYPES, METHODS, closed, lattice, metrics_of, noise, sphere
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_white_noise_is_closed_manifold_and_faces_outward(method, dtype):
     array = closed(noise((13, 9, 70), dtype))
-    figures = metrics_of(array, float(np.median(array)) + 0.3, method=method)
-    assert figures.is_closed
-    assert figures.is_oriented
-    assert figures.volume > 0
+    metrics = metrics_of(array, float(np.median(array)) + 0.3, method=method)
+    assert metrics.is_closed
+    assert metrics.is_oriented
+    assert metrics.volume > 0
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -32,9 +32,9 @@ def test_an_isovalue_equal_to_samples_leaves_no_hole(method, dtype):
     array = closed(np.random.default_rng(1).integers(0, 5, (12, 14, 11)).astype(dtype))
     for isovalue in (1.0, 2.0, 4.0):
         vertices, faces, normals = marching_cubes(array, isovalue, method=method)
-        figures = mesh_metrics(vertices, faces)
-        assert figures.is_closed
-        assert figures.is_oriented
+        metrics = mesh_metrics(vertices, faces)
+        assert metrics.is_closed
+        assert metrics.is_oriented
         assert np.isfinite(vertices).all()
         assert np.allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5)
 
@@ -203,9 +203,9 @@ def test_spacing_origin_and_direction_place_the_mesh_in_the_world():
 def test_a_left_handed_direction_keeps_triangles_and_normals_outward(method):
     field = sphere(16)
     vertices, faces, normals = marching_cubes(field, 0.0, method=method, direction=np.diag([-1.0, 1.0, 1.0]))
-    figures = mesh_metrics(vertices, faces)
-    assert figures.volume > 0
-    assert figures.is_oriented
+    metrics = mesh_metrics(vertices, faces)
+    assert metrics.volume > 0
+    assert metrics.is_oriented
     centre = vertices.mean(axis=0)
     assert (np.einsum("ij,ij->i", vertices - centre, normals) > 0).all()
 
@@ -333,9 +333,9 @@ def test_integers_beyond_float64_are_told_apart(dtype):
         assert len(faces) == len(vertices) == 0
     array[1, 1, 1] = 2**53 + 2
     for method in METHODS:
-        figures = metrics_of(array, float(2**53) + 2.0, method=method)
-        assert figures.is_closed
-        assert figures.components == 1
+        metrics = metrics_of(array, float(2**53) + 2.0, method=method)
+        assert metrics.is_closed
+        assert metrics.components == 1
 
 
 @pytest.mark.parametrize("width", [2, 3, 63, 64, 65, 66, 127, 128, 129, 200])

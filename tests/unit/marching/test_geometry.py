@@ -119,15 +119,15 @@ def test_area_and_volume_of_a_sphere_are_right(method):
     vertices, faces, _ = marching_cubes(
         _sphere(*lattice(n)).astype(np.float32), 0.0, method=method, spacing=(2.0 / (n - 1),) * 3
     )
-    figures = mesh_metrics(vertices, faces)
-    assert figures.is_closed
-    assert figures.euler_characteristic == 2
-    assert figures.area == pytest.approx(4 * np.pi * 0.7**2, rel=2e-3)
-    assert figures.volume == pytest.approx(4 / 3 * np.pi * 0.7**3, rel=2e-3)
+    metrics = mesh_metrics(vertices, faces)
+    assert metrics.is_closed
+    assert metrics.euler_characteristic == 2
+    assert metrics.area == pytest.approx(4 * np.pi * 0.7**2, rel=2e-3)
+    assert metrics.volume == pytest.approx(4 / 3 * np.pi * 0.7**3, rel=2e-3)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_torus_has_one_hole(method):
-    figures = mesh_metrics(*marching_cubes(_torus(*lattice(48)), 0.0, method=method)[:2])
-    assert figures.euler_characteristic == 0
-    assert figures.components == 1
+    metrics = mesh_metrics(*marching_cubes(_torus(*lattice(48)), 0.0, method=method)[:2])
+    assert metrics.euler_characteristic == 0
+    assert metrics.components == 1

@@ -9,12 +9,7 @@ import numpy as np
 import pytest
 
 from volviz.kernels.marching.cube import CUBE_EDGES, Edge, boundary_loops, share_a_face
-from volviz.kernels.marching.tables import (
-    lorensen_tables,
-    mirrored,
-    tetrahedra_tables,
-    with_hidden_cases,
-)
+from volviz.kernels.marching.tables import lorensen_tables, mirrored, tetrahedra_tables, with_hidden_cases
 from volviz.kernels.marching.topology import (
     boundary_regions,
     configuration_triangles,

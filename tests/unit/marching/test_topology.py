@@ -218,10 +218,10 @@ def test_10000_random_grids_have_the_topology_of_the_trilinear_interpolant(inter
     per_axis = 22 if interior == 3 else 16
     grids, period = many_grids(per_axis, interior, seed=interior)
     vertices, faces, _ = marching_cubes(grids, 0.0, method="topological")
-    figures = mesh_metrics(vertices, faces)
-    assert figures.is_closed
-    assert figures.is_oriented
-    assert figures.vertices == len(vertices)
+    metrics = mesh_metrics(vertices, faces)
+    assert metrics.is_closed
+    assert metrics.is_oriented
+    assert metrics.vertices == len(vertices)
 
     block = (vertices // period).astype(int)
     owner = (block[:, 2] * per_axis + block[:, 1]) * per_axis + block[:, 0]

@@ -11,10 +11,10 @@ import volviz
 from volviz.errors import InputError
 from volviz.model.layers import ImageLayer, LabelLayer, volume_of
 from volviz.model.scene import Scene
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import VolumeKey, VolumeRef
+from volviz.volume_data.volume import Volume
 
 VOLUME = Volume(np.arange(24, dtype=np.int16).reshape(2, 3, 4))
 FUNCTION = TransferFunction.from_points([(0, (1, 0, 0, 0.5))])

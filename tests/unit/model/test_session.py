@@ -20,16 +20,10 @@ from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.parameters import parameter
 from volviz.model.scene import Scene, SceneView
-from volviz.model.session import (
-    VERSION,
-    load_session,
-    save_session,
-    scene_from_dict,
-    scene_to_dict,
-)
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.session import VERSION, load_session, save_session, scene_from_dict, scene_to_dict
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.volume import Volume
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from volviz.model.transfer_function import TransferFunction
+from volviz.model.transfer.function import TransferFunction
 
 unit = st.floats(0.0, 1.0, allow_nan=False).map(lambda v: round(v, 4))
 # A grid of values, so that jumps (two points at one value) come up often.

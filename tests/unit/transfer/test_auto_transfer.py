@@ -1,4 +1,4 @@
-"""The first picture of any data set is neither empty nor solid."""
+"""The first image of any data set is neither empty nor solid."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ import numpy as np
 import pytest
 import SimpleITK
 
-from tests.unit.transfer.pictures import picture
+from tests.unit.transfer.images import image
 from tests.unit.transfer.unseen import FEATURELESS, UNSEEN
-from volviz.model.auto_transfer import RAMP, auto_transfer_function
-from volviz.model.first_look import robust_range
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.automatic import RAMP, auto_transfer_function
+from volviz.model.transfer.first_look import robust_range
+from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.volume import Volume
 
 LEAST, MOST = 0.05, 0.9
 
 
 def judge(volume: Volume, azimuth: float, elevation: float) -> tuple[float, float]:
     """Mean alpha inside the box, and how much brightness varies there."""
-    image, inside = picture(volume, auto_transfer_function(volume), azimuth, elevation)
-    return float(image[inside][:, 3].mean()), float(image[inside][:, :3].mean(axis=1).std())
+    pixels, inside = image(volume, auto_transfer_function(volume), azimuth, elevation)
+    return float(pixels[inside][:, 3].mean()), float(pixels[inside][:, :3].mean(axis=1).std())
 
 
 @pytest.mark.parametrize("name", [*UNSEEN, *FEATURELESS])
@@ -40,8 +40,8 @@ REAL = ["engine.nii.gz", "bonsai.nii.gz", "3DCT_lung.mha", "FLAIR.nrrd", "hydrog
 
 @pytest.mark.parametrize("name", REAL)
 def test_real_volumes_give_a_first_picture_with_structure(name: str, shared_data) -> None:
-    image = SimpleITK.ReadImage(str(shared_data / name))
-    alpha, contrast = judge(Volume(SimpleITK.GetArrayFromImage(image), image.GetSpacing()), 30.0, 20.0)
+    pixels = SimpleITK.ReadImage(str(shared_data / name))
+    alpha, contrast = judge(Volume(SimpleITK.GetArrayFromImage(pixels), pixels.GetSpacing()), 30.0, 20.0)
     assert 0.1 < alpha < 0.8
     assert contrast > 0.1
 

@@ -13,10 +13,9 @@ from hypothesis.extra.numpy import arrays
 
 from tests.unit.transfer.functions import functions
 from volviz.errors import InputError, LoadError
-from volviz.model.color_spaces import between, lab_to_rgb, rgb_to_lab
-from volviz.model.own_presets import OwnPresets
-from volviz.model.presets import preset
-from volviz.model.tf_formats import (
+from volviz.model.transfer.channels import simplified
+from volviz.model.transfer.color_spaces import between, lab_to_rgb, rgb_to_lab
+from volviz.model.transfer.formats import (
     colormap_colors,
     from_colormap,
     read_preset_file,
@@ -24,7 +23,8 @@ from volviz.model.tf_formats import (
     to_dat,
     write_transfer_function,
 )
-from volviz.model.transfer_lanes import simplified
+from volviz.model.transfer.own_presets import OwnPresets
+from volviz.model.transfer.presets import preset
 
 PROBE = np.linspace(-130, 130, 211) + 0.013
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from volviz.errors import InputError, LoadError
-from volviz.model.presets import Preset, preset, preset_for, presets, read_preset
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.presets import Preset, preset, preset_for, presets, read_preset
+from volviz.volume_data.volume import Volume
 
 
 def volume(low: float, high: float, dtype: str = "int16", unit: str = "", seed: int = 1) -> Volume:

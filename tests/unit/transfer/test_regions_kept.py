@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from volviz.custom_gl.registry import techniques
-from volviz.custom_gl.technique import drawn_function, regions_unused
+from volviz.custom_gl.technique import drawn_function, unused_regions
 from volviz.model.layers import ImageLayer
-from volviz.model.own_presets import OwnPresets
-from volviz.model.presets import Preset, preset_for
 from volviz.model.scene import Scene
 from volviz.model.session import scene_from_dict, scene_to_dict
-from volviz.model.tf_formats import read_preset_file, read_transfer_function, write_transfer_function
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.transfer_function_2d import Region, TransferFunction2D
-from volviz.model.volume import Volume
+from volviz.model.transfer.formats import read_preset_file, read_transfer_function, write_transfer_function
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.function_2d import Region, TransferFunction2D
+from volviz.model.transfer.own_presets import OwnPresets
+from volviz.model.transfer.presets import Preset, preset_for
 from volviz.volume_data.references import VolumeRef
+from volviz.volume_data.volume import Volume
 
 REGIONS = TransferFunction2D(
     (
@@ -61,7 +61,7 @@ def test_a_session_keeps_them() -> None:
 def test_every_technique_draws_them_or_says_why_not(technique: str) -> None:
     info = techniques()[technique]
     settings = info.settings()
-    words = regions_unused(info, settings)
+    words = unused_regions(info, settings)
     drawn = drawn_function(info, settings, FUNCTION)
     if info.by_gradient:
         assert words == ""
@@ -77,5 +77,5 @@ def test_every_technique_draws_them_or_says_why_not(technique: str) -> None:
 @pytest.mark.parametrize("mode", ["maximum", "minimum", "average", "attenuated_maximum"])
 def test_modes_that_classify_one_value_a_ray_say_so(mode: str) -> None:
     info = techniques()["raycast"]
-    words = regions_unused(info, info.settings(mode=mode))
+    words = unused_regions(info, info.settings(mode=mode))
     assert "one value per ray" in words

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from tests.unit.transfer.functions import functions, unit, value, with_indices
 from volviz.errors import InputError
-from volviz.model import transfer_edits as edits
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.transfer_lanes import merged, simplified, split, with_moved_stop, with_ramp, with_stop
-from volviz.model.transfer_shapes import with_shape
+from volviz.model.transfer import edits
+from volviz.model.transfer.channels import merged, simplified, split, with_moved_point, with_point, with_ramp
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.shapes import with_shape
 
 PROBE = np.linspace(-130, 130, 211) + 0.013
 
@@ -135,7 +135,7 @@ def test_lanes_put_together_again_are_the_same_function(function) -> None:
 def test_a_moved_colour_leaves_the_opacities_alone(function, data) -> None:
     colors, opacities = split(function)
     index = data.draw(st.integers(0, len(colors) - 1))
-    changed = merged(with_moved_stop(colors, index, data.draw(value)), opacities, function)
+    changed = merged(with_moved_point(colors, index, data.draw(value)), opacities, function)
     assert is_sound(changed)
     np.testing.assert_allclose(changed.evaluate(PROBE)[:, 3], function.evaluate(PROBE)[:, 3], atol=1e-9)
 
@@ -143,7 +143,7 @@ def test_a_moved_colour_leaves_the_opacities_alone(function, data) -> None:
 @given(functions, value)
 def test_a_stop_more_looks_the_same(function, v) -> None:
     colors, opacities = split(function)
-    wider, index = with_stop(colors, v)
+    wider, index = with_point(colors, v)
     assert wider[index].value == v
     again = merged(wider, opacities, function)
     np.testing.assert_allclose(again.evaluate(PROBE), function.evaluate(PROBE), atol=1e-9)

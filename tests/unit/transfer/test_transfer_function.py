@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tests.unit.transfer.functions import functions, point, unit, value
 from volviz.errors import InputError
-from volviz.model.transfer_function import MAX_TABLE, TransferFunction, table_size
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction, table_size
 
 
 @given(st.lists(point, min_size=1, max_size=12))

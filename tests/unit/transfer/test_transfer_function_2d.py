@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from tests.unit.transfer.functions import unit
 from volviz.errors import InputError
-from volviz.model.auto_transfer_2d import auto_regions
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.transfer_function_2d import KINDS, Region, TransferFunction2D
-from volviz.model.volume import Volume
+from volviz.model.transfer.automatic_2d import auto_regions
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.function_2d import KINDS, Region, TransferFunction2D
+from volviz.volume_data.volume import Volume
 
 regions = st.builds(
     lambda kind, value, width, low, height, color, opacity, softness: Region(

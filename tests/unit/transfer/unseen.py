@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 N = 60
 
@@ -192,7 +192,7 @@ UNSEEN: dict[str, Callable[[], Volume]] = {
     "ramp": lambda: Volume(np.broadcast_to(np.linspace(-1, 1, N, dtype=np.float32), (N, N, N))),
     "two voxels an axis": lambda: Volume(np.arange(8).reshape(2, 2, 2)),
 }
-#: Next to nothing to see: no empty picture is demanded, but no structure either.
+#: Next to nothing to see: no empty image is demanded, but no structure either.
 FEATURELESS: dict[str, Callable[[], Volume]] = {
     "one voxel": one_voxel,
     "tiny mask": lambda: Volume(radius() < 0.05),

@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from volviz.errors import Cancelled, InputError
-from volviz.model.volume import Volume
 from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
 from volviz.volume_data.references import content_id
 from volviz.volume_data.source import ReadRequest, VolumeSource
+from volviz.volume_data.volume import Volume
 
 TURNED = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
 

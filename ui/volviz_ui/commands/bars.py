@@ -13,9 +13,9 @@ from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.table import CommandTable
 from volviz_ui.commands.view import ViewCommands
 from volviz_ui.dialogs.preferences import quality_choices
-from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.editors.technique_box import TechniqueBox
-from volviz_ui.icons import set_icon
+from volviz_ui.style.icons import set_icon
 
 
 def fill_menu_bar(bar: QMenuBar, menus: Sequence[Menu], table: CommandTable) -> None:
@@ -78,7 +78,7 @@ class ToolBar(QToolBar):
         self.technique = TechniqueBox(context.store, self)
         self.technique.setMinimumWidth(190)
         self._add_field(self.tr("Technique"), self.technique)
-        self.quality = CalmComboBox(self)
+        self.quality = NoWheelComboBox(self)
         self.quality.setToolTip(self.tr("How much is given up while something moves"))
         self.quality.setAccessibleName(self.tr("Quality"))
         self.quality.setMinimumContentsLength(11)

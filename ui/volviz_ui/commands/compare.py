@@ -9,8 +9,8 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from volviz.compare.settings_match import match_second
+from volviz.custom_gl.framing import visible_points
 from volviz.custom_gl.scene_techniques import counterparts, current_technique
-from volviz.framing import visible_points
 from volviz.model.comparison import Mode
 from volviz.model.scene import Scene
 from volviz.model.view_edits import (
@@ -30,7 +30,7 @@ from volviz_ui.views.fitting import fitted
 class CompareCommands(QObject):
     """Changes the views of the scene for the window."""
 
-    report_wanted = Signal()
+    report_requested = Signal()
 
     def __init__(self, context: AppContext) -> None:
         super().__init__(context.window)
@@ -91,7 +91,7 @@ class CompareCommands(QObject):
                 Command(
                     "compare.report", tr("Write &report…"),
                     tr("All views with pictures, differences, figures and settings in one file"),
-                    self.report_wanted.emit, enabled=_several,
+                    self.report_requested.emit, enabled=_several,
                 ),
             ],
         )  # fmt: skip
@@ -124,7 +124,7 @@ class CompareCommands(QObject):
         points = visible_points(volume, layer.transfer_function)
         farther = fitted(camera, points, before, views.first.viewport.aspect)
         if farther != camera:
-            views.first.display.show_camera(farther)
+            views.first.controller.show_camera(farther)
 
     def split(self, on: bool) -> None:
         """Two views and the panel that compares them, or the first view alone again."""

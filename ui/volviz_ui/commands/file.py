@@ -14,17 +14,17 @@ from volviz.volume_data.references import VolumeKey
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
 from volviz_ui.commands.session import SessionCommands
+from volviz_ui.dialogs.export_image import ExportImageDialog
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
-from volviz_ui.dialogs.export_picture import ExportPictureDialog
 from volviz_ui.dialogs.job_progress import show_job
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
-from volviz_ui.documents import SAMPLE_PREFIX, title_of
-from volviz_ui.picture_copy import PictureCopy
-from volviz_ui.picture_export import PictureExport
-from volviz_ui.script import script_of
-from volviz_ui.surface import shows_mesh
+from volviz_ui.session.documents import SAMPLE_PREFIX, title_of
+from volviz_ui.session.mesh_summary import shows_mesh
+from volviz_ui.session.script import script_of
+from volviz_ui.views.image_copy import ImageCopy
+from volviz_ui.views.image_export import ImageExport
 
-PICTURES = "PNG (*.png);;TIFF (*.tif *.tiff);;JPEG (*.jpg *.jpeg)"
+IMAGES = "PNG (*.png);;TIFF (*.tif *.tiff);;JPEG (*.jpg *.jpeg)"
 
 
 class FileCommands(QObject):
@@ -34,7 +34,7 @@ class FileCommands(QObject):
         super().__init__(context.window)
         self._context = context
         self._sessions = sessions
-        self._jobs: list[PictureExport | PictureCopy] = []
+        self._jobs: list[ImageExport | ImageCopy] = []
 
     def menu(self) -> Menu:
         """The table of its commands."""
@@ -71,7 +71,7 @@ class FileCommands(QObject):
                 None,
                 Command(
                     "file.export_picture", tr("&Export picture…"), tr("Draw the picture at any size into a file"),
-                    self.export_picture, keys=("Ctrl+E",), icon="export", enabled=has_volume,
+                    self.export_image, keys=("Ctrl+E",), icon="export", enabled=has_volume,
                 ),
                 Command(
                     "file.export_mesh", tr("Export &mesh…"),
@@ -81,7 +81,7 @@ class FileCommands(QObject):
                 ),
                 Command(
                     "file.copy_picture", tr("&Copy picture"), tr("Put the viewport on the clipboard"),
-                    self.copy_picture, keys=("Ctrl+Shift+C",), icon="copy", enabled=has_volume,
+                    self.copy_image, keys=("Ctrl+Shift+C",), icon="copy", enabled=has_volume,
                 ),
                 Command(
                     "file.copy_script", tr("Copy as P&ython"),
@@ -197,13 +197,13 @@ class FileCommands(QObject):
         if paths:
             self.open_path(paths[0])
 
-    def export_picture(self) -> ExportPictureDialog | None:
+    def export_image(self) -> ExportImageDialog | None:
         """Ask for the size, then for the file, and draw."""
         if self._context.documents.volume is None:
             return None
-        dialog = ExportPictureDialog(self._context.views.first.viewport.pixel_size, self._context.window)
+        dialog = ExportImageDialog(self._context.views.first.viewport.pixel_size, self._context.window)
         dialog.accepted.connect(
-            lambda: self._ask_where(dialog.picture_size, transparent=dialog.transparent.isChecked())
+            lambda: self._ask_where(dialog.image_size, transparent=dialog.transparent.isChecked())
         )
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
@@ -212,18 +212,18 @@ class FileCommands(QObject):
     def _ask_where(self, size: tuple[int, int], *, transparent: bool) -> None:
         start = str(Path(self._context.preferences.folder) / "volviz.png")
         path, _filter = QFileDialog.getSaveFileName(
-            self._context.window, self.tr("Save the picture"), start, PICTURES
+            self._context.window, self.tr("Save the picture"), start, IMAGES
         )
         if path:
-            self.save_picture(path, size, transparent=transparent)
+            self.save_image(path, size, transparent=transparent)
 
-    def save_picture(self, path: str, size: tuple[int, int], *, transparent: bool) -> PictureExport | None:
+    def save_image(self, path: str, size: tuple[int, int], *, transparent: bool) -> ImageExport | None:
         """Draw the scene at a size and save it, with progress and cancel, while the window goes on."""
         shown = self._context.documents.shown
         if shown.volume is None:
             return None
-        handle = self._context.views.active.display.handle
-        export = PictureExport(
+        handle = self._context.views.active.controller.handle
+        export = ImageExport(
             shown.scene,
             shown.volume,
             path,
@@ -240,7 +240,7 @@ class FileCommands(QObject):
         self._follow(export, self.tr("Export picture"), self.tr("Drawing %1…").replace("%1", name))
         return export
 
-    def _follow(self, job: PictureExport | PictureCopy, title: str, words: str) -> None:
+    def _follow(self, job: ImageExport | ImageCopy, title: str, words: str) -> None:
         """Start a job, show how far it is, and forget it when it has ended."""
         self._jobs.append(job)
         show_job(self._context.window, job, title, words)
@@ -259,11 +259,11 @@ class FileCommands(QObject):
 
     def export_mesh(self) -> ExportMeshDialog | None:
         """Ask for format and file, and write the mesh that is shown; None where there is none."""
-        facts = self._context.surface.facts
-        if facts is None or not facts.metrics.faces or not shows_mesh(self._context.store.scene):
+        summary = self._context.surface.summary
+        if summary is None or not summary.metrics.faces or not shows_mesh(self._context.store.scene):
             return None
         dialog = ExportMeshDialog(
-            facts, self._context.workers, self._context.preferences.folder, self._context.window
+            summary, self._context.workers, self._context.preferences.folder, self._context.window
         )
         dialog.saved.connect(self._on_mesh_saved)
         dialog.finished.connect(dialog.deleteLater)
@@ -274,9 +274,9 @@ class FileCommands(QObject):
         self._context.preferences.folder = str(Path(path).parent)
         self._context.messages.show_status(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
 
-    def copy_picture(self) -> PictureCopy:
+    def copy_image(self) -> ImageCopy:
         """Put what is shown, all views of a comparison included, on the clipboard once it is complete."""
-        copy = PictureCopy(self._context.views, self)
+        copy = ImageCopy(self._context.views, self)
         copy.copied.connect(
             lambda: self._context.messages.show_status(self.tr("The picture is on the clipboard"), 3000)
         )

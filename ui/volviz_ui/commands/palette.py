@@ -32,7 +32,7 @@ from PySide6.QtWidgets import (
 from volviz_ui.commands.command import Command, keys_in_words, plain
 from volviz_ui.commands.fuzzy import match_score
 from volviz_ui.commands.table import CommandTable
-from volviz_ui.preferences import Preferences
+from volviz_ui.session.preferences import Preferences
 from volviz_ui.widgets.small import quiet_label
 
 WIDTH, ROWS, MARGIN, ROW_MARGIN = 640, 12, 24, 12

@@ -6,7 +6,7 @@ from functools import partial
 
 from PySide6.QtCore import QObject
 
-from volviz.model.presets import presets
+from volviz.model.transfer.presets import presets
 from volviz_ui.commands.command import Command, Menu, has_volume
 from volviz_ui.transfer_editor import TransferEditor
 

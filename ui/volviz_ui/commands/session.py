@@ -12,9 +12,9 @@ from volviz.custom_gl.registry import techniques
 from volviz.errors import VolvizError
 from volviz.model.session import SUFFIX, load_session, save_session
 from volviz_ui.app_context import AppContext
-from volviz_ui.autosave import left_behind
-from volviz_ui.documents import Opened
-from volviz_ui.loaded_scene import words_on_layers
+from volviz_ui.session.autosave import left_behind
+from volviz_ui.session.documents import Opened
+from volviz_ui.session.loaded_scene import words_on_layers
 
 LAYER_WORDS_MS = 15000
 """How long it is said that something is not drawn."""
@@ -38,7 +38,7 @@ class SessionCommands(QObject):
             self.open_path(path)
 
     def open_path(self, path: str | Path) -> bool:
-        """Open a session file; False when it cannot be read (and that was told)."""
+        """Open a session file; False when it cannot be read (and that was reported)."""
         try:
             scene = load_session(path, settings_of)
         except VolvizError as error:
@@ -66,7 +66,7 @@ class SessionCommands(QObject):
             self.save_path(path if path.endswith(".json") else path + SUFFIX)
 
     def save_path(self, path: str | Path) -> bool:
-        """Save the scene; False when it cannot be written (and that was told)."""
+        """Save the scene; False when it cannot be written (and that was reported)."""
         try:
             save_session(self._context.store.scene, path)
         except VolvizError as error:

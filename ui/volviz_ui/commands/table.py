@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QMainWindow
 
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, State, keys_in_words, plain
-from volviz_ui.icons import set_icon
-from volviz_ui.loaded_scene import LoadedScene
+from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.style.icons import set_icon
 
 
 class CommandTable(QObject):
@@ -33,7 +33,7 @@ class CommandTable(QObject):
         self._actions: dict[str, QAction] = {}
         self._groups: dict[str, QActionGroup] = {}
         context.store.history_changed.connect(self.refresh)
-        context.surface.facts_changed.connect(self.refresh)
+        context.surface.summary_changed.connect(self.refresh)
         context.documents.changed.connect(self._on_shown_changed)
         for dock in context.docks.all:
             dock.toggleViewAction().toggled.connect(self.refresh)
@@ -53,7 +53,7 @@ class CommandTable(QObject):
     def state(self) -> State:
         """The present state."""
         context = self._context
-        facts = context.surface.facts
+        summary = context.surface.summary
         shown = set(context.views.shown_names)
         shown |= {f"panel.{name}" for name in context.docks.names if context.docks[name].is_open}
         if context.window.isFullScreen():
@@ -63,7 +63,7 @@ class CommandTable(QObject):
             context.store.undo_label,
             context.store.redo_label,
             context.documents.volume is not None,
-            0 if facts is None else facts.metrics.faces,
+            0 if summary is None else summary.metrics.faces,
             frozenset(shown),
         )
 

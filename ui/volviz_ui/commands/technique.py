@@ -50,7 +50,7 @@ class TechniqueCommands(QObject):
                 ),
                 Command(
                     "technique.machinery", tr("&View the machinery"),
-                    tr("Wireframe, or what else the technique can show"), self.toggle_machinery, keys=("W",),
+                    tr("Wireframe, or what else the technique can show"), self.toggle_debug_view, keys=("W",),
                     enabled=lambda state: bool({"wireframe", "display"} & _parameters(state.scene).keys()),
                 ),
                 Command(
@@ -89,8 +89,8 @@ class TechniqueCommands(QObject):
         except SettingError:
             return
 
-    def toggle_machinery(self) -> None:
-        """Switch the wireframe, or between the picture and the first view of the machinery."""
+    def toggle_debug_view(self) -> None:
+        """Switch the wireframe, or between the image and the first debug view."""
         parameters = _parameters(self._store.scene)
         settings = current_settings(self._store.scene)
         if "wireframe" in parameters:

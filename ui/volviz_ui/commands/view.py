@@ -8,15 +8,15 @@ from functools import partial
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QKeySequence
 
+from volviz.custom_gl.framing import default_camera
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import drawn_function
-from volviz.framing import default_camera
 from volviz.model.camera import Camera
 from volviz.model.scene import Color, Scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, has_volume
-from volviz_ui.docks import Docks
 from volviz_ui.views.camera_moves import axis_camera
+from volviz_ui.widgets.docks import Docks
 
 SHOWN_AT_FIRST = {"box": False, "axes": False, "marker": True, "bar": False, "handles": True}
 
@@ -97,7 +97,7 @@ class ViewCommands(QObject):
 
     def _switch(self, name: str, words: str, tip: str, key: str, icon: str = "") -> Command:
         return Command(
-            f"view.{name}", words, tip, partial(self.show_scenery, name), keys=(key,), icon=icon,
+            f"view.{name}", words, tip, partial(self.show_annotations, name), keys=(key,), icon=icon,
             checked=lambda state: name in state.shown,
         )  # fmt: skip
 
@@ -137,7 +137,7 @@ class ViewCommands(QObject):
 
     def _show_camera(self, camera: Camera) -> None:
         """Look through another camera in the present projection."""
-        self._context.views.first.display.show_camera(
+        self._context.views.first.controller.show_camera(
             projected(camera, parallel=is_parallel(self._context.store.scene))
         )
 
@@ -145,20 +145,20 @@ class ViewCommands(QObject):
         """Parallel projection or perspective; what lies at the focal point keeps its size."""
         if self._context.documents.volume is not None:
             first = self._context.views.first
-            first.display.show_camera(projected(first.viewport.view_camera, parallel=on))
+            first.controller.show_camera(projected(first.viewport.view_camera, parallel=on))
 
     # ------------------------------------------------------------------ what stands around
 
-    def show_scenery(self, name: str, on: bool) -> None:
+    def show_annotations(self, name: str, on: bool) -> None:
         """Switch box, axes, orientation marker, colour bar or handles, and remember that."""
         self._context.preferences.set_shows(name, on)
         self._show(name, on)
 
     def _show(self, name: str, on: bool) -> None:
         if name == "handles":
-            self._context.views.shows_handles = on
+            self._context.views.shows_manipulators = on
         else:
-            self._context.views.show_scenery(name, on)
+            self._context.views.show_annotations(name, on)
 
     def restore(self) -> None:
         """Show what was shown when the program was closed."""

@@ -24,7 +24,7 @@ def compare_arguments(
     scene : Scene
         With a layer, at least two views and a camera.
     size : tuple of 2 ints
-        Width and height of the pictures.
+        Width and height of the images.
     function_file : str
         A file that holds the transfer function.
     output : str

@@ -29,9 +29,9 @@ class Curve:
     factor, slope : float
         The fitted error factor * (distance^slope - finest^slope); NaN when nothing could be fitted.
     finest : float
-        Distance of the converged picture where it counts, in voxels.
+        Distance of the converged image where it counts, in voxels.
     unit : str
-        Of the errors: "levels of 255" for pictures, "voxels" for meshes.
+        Of the errors: "levels of 255" for images, "voxels" for meshes.
     """
 
     name: str

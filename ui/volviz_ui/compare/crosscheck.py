@@ -1,4 +1,4 @@
-"""The dock that compares our isosurface with VTK's: figures side by side, every difference explained."""
+"""The dock that compares our isosurface with VTK's: metrics side by side, every difference explained."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from PySide6.QtWidgets import (
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.parameters import setting_values
-from volviz.model.volume import Volume
-from volviz_ui.binding import show_value
+from volviz.volume_data.volume import Volume
 from volviz_ui.dialogs.error import show_error
-from volviz_ui.documents import Documents
-from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.loaded_scene import LoadedScene, volume_of
+from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene, volume_of
+from volviz_ui.session.workers import Task, Workers
+from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.progress_bar import ProgressBar
 from volviz_ui.widgets.small import quiet_label
-from volviz_ui.workers import Task, Workers
 
 if TYPE_CHECKING:
     from volviz.compare.crosscheck import CrosscheckReport
@@ -96,7 +96,7 @@ class CrosscheckPanel(QWidget):
         self.isovalue.setMinimumWidth(110)
         self.isovalue.setToolTip(self.tr("Value of the surface, in data units; follows the technique's"))
         self.isovalue.setAccessibleName(self.tr("Isovalue"))
-        self.method = CalmComboBox(self)
+        self.method = NoWheelComboBox(self)
         self.method.setToolTip(self.tr("Our method; VTK has the first one only"))
         self.method.setAccessibleName(self.tr("Method"))
         for name in METHODS:

@@ -8,12 +8,12 @@ from PySide6.QtWidgets import QCheckBox, QLabel, QPushButton, QSizePolicy, QWidg
 from volviz.compare.distance_colors import DistanceColors
 from volviz.model.comparison import Comparison
 from volviz.model.store import Store
-from volviz_ui.binding import show_value
 from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.compare.surface_distances import SurfaceDistances
 from volviz_ui.editors.number import NumberField
-from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.panels.panel import Section
+from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.progress_bar import ProgressBar
 from volviz_ui.widgets.small import quiet_label
 
@@ -29,7 +29,7 @@ class DistanceSection(Section):
     def __init__(self, title: str, store: Store, commands: CompareCommands, parent: QWidget) -> None:
         super().__init__(title, parent=parent)
         self._commands = commands
-        self.choice = CalmComboBox(self)
+        self.choice = NoWheelComboBox(self)
         self.choice.setToolTip(
             self.tr(
                 "Colour each of the two surfaces by the distance of its points to the other one (Shift+F9)"
@@ -118,7 +118,7 @@ class DistanceSection(Section):
         self.bar.hide()
         self.cancel_button.hide()
 
-    def show_found(self, found: DistanceColors, unit: str, sign_wanted: bool) -> None:
+    def show_found(self, found: DistanceColors, unit: str, sign_requested: bool) -> None:
         """Say what the colours show."""
         length = f"{found.largest:.3g}{NARROW}{unit}"
         if found.are_same:
@@ -141,7 +141,7 @@ class DistanceSection(Section):
             words = [self.tr("Largest distance: %1.").replace("%1", length)]
         if found.is_signed:
             words.append(self.tr("Red lies outside of the other surface, blue inside."))
-        elif sign_wanted:
+        elif sign_requested:
             words.append(
                 self.tr("Without a sign: the triangles of one surface do not agree on which side is outside.")
             )

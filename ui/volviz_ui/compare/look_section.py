@@ -8,12 +8,12 @@ from PySide6.QtWidgets import QCheckBox, QLabel, QWidget
 from volviz.model.comparison import LIMITS, PERIODS, Comparison
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz_ui.binding import show_value
 from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.editors.number import NumberField
-from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.panels.panel import Section
 from volviz_ui.views.sides import LETTERS, SideBox
+from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.small import quiet_label, small_button
 
 FIRST_LIMIT = 16.0
@@ -132,8 +132,8 @@ class LookSection(Section):
     def _on_limit_changed(self, value: float) -> None:
         self._commands.change(limit=value)
 
-    def _choice(self, name: str, label: str, tooltip: str, entries: list[tuple[str, str]]) -> CalmComboBox:
-        box = CalmComboBox(self)
+    def _choice(self, name: str, label: str, tooltip: str, entries: list[tuple[str, str]]) -> NoWheelComboBox:
+        box = NoWheelComboBox(self)
         box.setToolTip(tooltip)
         box.setAccessibleName(label)
         for value, words in entries:

@@ -13,19 +13,19 @@ from volviz.errors import Cancelled
 from volviz.model.render_spec import View
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz_ui.compare.figures import MeshStore, PairFigures, Side, pair_figures
 from volviz_ui.compare.frame_timing import FrameTiming
-from volviz_ui.documents import Documents
-from volviz_ui.loaded_scene import LoadedScene
-from volviz_ui.views.view_area import ViewArea
-from volviz_ui.workers import Task, Workers
+from volviz_ui.compare.metrics import MeasuredView, MeshCache, PairMetrics, pair_metrics
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.session.workers import Task, Workers
+from volviz_ui.views.view_grid import ViewGrid
 
 DELAY_MS = 150
 """The pair must have rested for so long before anything is measured."""
 
 
 class Measurements(QObject):
-    """Measures on a worker while somebody looks at the figures, and takes times when asked."""
+    """Measures on a worker while somebody looks at the metrics, and takes times when asked."""
 
     figures_found = Signal(object)
     """`PairFigures` of the complete pictures."""
@@ -51,7 +51,7 @@ class Measurements(QObject):
         self,
         store: Store,
         documents: Documents,
-        views: ViewArea,
+        views: ViewGrid,
         workers: Workers,
         parent: QObject | None = None,
     ) -> None:
@@ -61,9 +61,9 @@ class Measurements(QObject):
         self._views = views
         self._workers = workers
         self._watched = False
-        self.meshes = MeshStore()
+        self.meshes = MeshCache()
         self._task: Task | None = None
-        self.figures: PairFigures | None = None
+        self.metrics: PairMetrics | None = None
         self.timing = FrameTiming(self)
         self.timing.progressed.connect(self.timing_progressed.emit)
         self.timing.finished.connect(self._on_timed)
@@ -76,57 +76,57 @@ class Measurements(QObject):
 
     @property
     def _wanted(self) -> bool:
-        """Whether anybody looks at figures, or at the map of similarity."""
+        """Whether anybody looks at metrics, or at the map of similarity."""
         scene = self._documents.shown.scene
         similarity = scene.comparison.mode == "difference" and scene.comparison.map == "ssim"
         return len(scene.views) > 1 and (self._watched or similarity)
 
-    # ------------------------------------------------------------------ pictures and meshes
+    # ------------------------------------------------------------------ images and meshes
 
     def _on_pair_completed(self) -> None:
-        self.figures = None
-        limits = self._views.first.display.handle.gpu.limits
+        self.metrics = None
+        limits = self._views.first.controller.handle.gpu.limits
         self.gpu_clock_found.emit(limits.renderer.split("(")[0].strip() if limits.software else "")
         if self._wanted:
             self._timer.start()
 
     def watch(self, on: bool) -> None:
-        """Whether anybody looks at the figures; if nobody does, nothing is measured."""
+        """Whether anybody looks at the metrics; if nobody does, nothing is measured."""
         self._watched = on
-        if self._wanted and self.figures is None:
+        if self._wanted and self.metrics is None:
             self._timer.start()
 
     def _measure(self) -> None:
         pair = self._views.arrangement.pair
         volume, scene = self._documents.volume, self._documents.shown.scene
-        pictures = self._views.pair_pictures()
-        if pair is None or volume is None or pictures is None or scene.view.camera is None:
+        images = self._views.pair_images()
+        if pair is None or volume is None or images is None or scene.view.camera is None:
             return
-        if pictures[0].shape != pictures[1].shape:
+        if images[0].shape != images[1].shape:
             return
         sides = [
-            Side(changed_spec(render_spec(scene, pane.view), volume=volume), picture)
-            for pane, picture in zip(pair, pictures, strict=True)
+            MeasuredView(changed_spec(render_spec(scene, view_widget.view), volume=volume), image)
+            for view_widget, image in zip(pair, images, strict=True)
         ]
-        height, width = pictures[0].shape[:2]
+        height, width = images[0].shape[:2]
         view, meshes = View(scene.view.camera, (width, height)), self.meshes
 
-        def work(task: Task) -> PairFigures:
+        def work(task: Task) -> PairMetrics:
             def check() -> None:
                 if task.is_cancelled:
                     raise Cancelled("The measurement was cancelled.")
 
-            return pair_figures((sides[0], sides[1]), view, meshes, check)
+            return pair_metrics((sides[0], sides[1]), view, meshes, check)
 
         self.state_changed.emit(self.tr("Measuring…"))
         task = self._workers.start(work, label=self.tr("Measure"), key="compare")
         task.succeeded.connect(self._on_measured)
         task.failed.connect(self._on_failed)
 
-    def _on_measured(self, figures: PairFigures) -> None:
-        self.figures = figures
-        self.figures_found.emit(figures)
-        handles = [pane.display.handle for pane in self._views.arrangement.pair or ()]
+    def _on_measured(self, metrics: PairMetrics) -> None:
+        self.metrics = metrics
+        self.figures_found.emit(metrics)
+        handles = [view_widget.controller.handle for view_widget in self._views.arrangement.pair or ()]
         if any(handle is not None and handle.surface_colors is not None for handle in handles):
             self.state_changed.emit(self.tr("Of the pictures in the colours of the distance."))
 
@@ -143,7 +143,7 @@ class Measurements(QObject):
         pair = self._views.arrangement.pair
         if pair is not None and self._views.is_complete:
             self.timing_progressed.emit(0.0)
-            self.timing.start(pair[0].display, pair[1].display)
+            self.timing.start(pair[0].controller, pair[1].controller)
 
     def _on_timed(self, times: Any) -> None:
         self.timing_progressed.emit(None)
@@ -173,11 +173,11 @@ class Measurements(QObject):
         if _converging(old) != _converging(new):
             self.convergence_outdated.emit()
         if old.pair != new.pair:
-            # figures of others must not stand below the new names
+            # metrics of others must not stand below the new names
             self.emptied.emit("")
         if (old.views, old.pair) != (new.views, new.pair):
             self.tell_pair()
-        if old.comparison != new.comparison and self._wanted and self.figures is None:
+        if old.comparison != new.comparison and self._wanted and self.metrics is None:
             self._timer.start()
 
     def _forget(self) -> None:
@@ -185,7 +185,7 @@ class Measurements(QObject):
         self.timing.cancel()
         self._workers.cancel("compare")
         self._timer.stop()
-        self.figures = None
+        self.metrics = None
         self.times_found.emit(None)
 
     def tell_pair(self) -> None:
@@ -198,9 +198,9 @@ class Measurements(QObject):
             self.emptied.emit(self.tr("Split the view to compare: Compare, Two views (Ctrl+2)."))
             self.differences_found.emit([])
             return
-        if self.figures is None:
+        if self.metrics is None:
             self.state_changed.emit("")
-        first, second = (current_technique(scene, pane.view) for pane in pair)
+        first, second = (current_technique(scene, view_widget.view) for view_widget in pair)
         self.names_changed.emit(first.label, second.label)
         self.differences_found.emit(setting_differences(scene, pair[0].view, pair[1].view))
 
@@ -213,7 +213,7 @@ class Measurements(QObject):
 
 
 def _drawn(scene: Scene) -> Any:
-    """What decides the pictures."""
+    """What decides the images."""
     views = [(v.technique, v.settings, v.camera) for v in scene.views]
     return views, scene.pair, scene.layers, scene.light, scene.clipping, scene.background
 

@@ -14,10 +14,10 @@ from volviz.model.store import Store
 from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.compare.convergence_plot import ConvergencePlot, Curve
 from volviz_ui.compare.distance_section import DistanceSection
-from volviz_ui.compare.figure_table import FigureTable
-from volviz_ui.compare.figures import PairFigures
 from volviz_ui.compare.look_section import LookSection
 from volviz_ui.compare.measurements import Measurements
+from volviz_ui.compare.metric_table import MetricTable
+from volviz_ui.compare.metrics import PairMetrics
 from volviz_ui.compare.reports import Reports
 from volviz_ui.panels.panel import Panel, Section
 from volviz_ui.widgets.focus_order import set_focus_order
@@ -28,15 +28,15 @@ NARROW = "\N{NARROW NO-BREAK SPACE}"
 
 
 class ComparePanel(Panel):
-    """Shows figures of the compared views, A and B."""
+    """Shows metrics of the compared views, A and B."""
 
     visibility_changed = Signal(bool)
     """Whether somebody looks at the figures now."""
-    timing_wanted = Signal()
-    match_wanted = Signal()
-    report_wanted = Signal()
-    open_wanted = Signal()
-    convergence_wanted = Signal()
+    timing_requested = Signal()
+    match_requested = Signal()
+    report_requested = Signal()
+    open_requested = Signal()
+    convergence_requested = Signal()
     work_cancelled = Signal()
 
     def __init__(self, store: Store, commands: CompareCommands, parent: QWidget | None = None) -> None:
@@ -46,13 +46,13 @@ class ComparePanel(Panel):
         self.distances = DistanceSection(self.tr("Distance of the surfaces"), store, commands, self)
         self.state = quiet_label("", self)
         self.state.setWordWrap(True)
-        self.pictures = self._pictures()
+        self.images = self._images()
         self.sides = self._sides()
         self.time_button = QPushButton(self.tr("Measure frame times"), self)
         self.time_button.setToolTip(
             self.tr("Draw both pictures in full quality five times, in turn, without changing anything")
         )
-        self.time_button.clicked.connect(self.timing_wanted)
+        self.time_button.clicked.connect(self.timing_requested)
         self.gpu_words = quiet_label("", self)
         self.gpu_words.setWordWrap(True)
         self.gpu_words.hide()
@@ -66,11 +66,11 @@ class ComparePanel(Panel):
         self.match_button.setToolTip(
             self.tr("Give B the settings of A; where VTK can do a thing in one way only, ours follows")
         )
-        self.match_button.clicked.connect(self.match_wanted)
+        self.match_button.clicked.connect(self.match_requested)
 
-        pictures = Section(self.tr("Pictures"), parent=self)
-        pictures.add_wide(self.pictures)
-        pictures.add_wide(self.state)
+        images = Section(self.tr("Pictures"), parent=self)
+        images.add_wide(self.images)
+        images.add_wide(self.state)
         sides = Section(self.tr("Times and samples"), parent=self)
         sides.add_wide(self.sides)
         sides.add_wide(self.gpu_words)
@@ -81,7 +81,7 @@ class ComparePanel(Panel):
         settings = Section(self.tr("Differences in settings"), parent=self)
         settings.add_wide(self.words)
         settings.add_wide(self.match_button)
-        sections = (self.look, self.distances, pictures, sides, self.mesh_section, settings, self._orders())
+        sections = (self.look, self.distances, images, sides, self.mesh_section, settings, self._orders())
         for section in sections:
             self.add(section)
         self.add(self._report())
@@ -92,9 +92,9 @@ class ComparePanel(Panel):
         """Show what is measured and written from now on, and say what is wanted."""
         for signal, slot in (
             (self.visibility_changed, measurements.watch),
-            (self.timing_wanted, measurements.time),
-            (self.match_wanted, measurements.match),
-            (measurements.figures_found, self.show_figures),
+            (self.timing_requested, measurements.time),
+            (self.match_requested, measurements.match),
+            (measurements.figures_found, self.show_metrics),
             (measurements.times_found, self.show_times),
             (measurements.timing_progressed, self.show_timing),
             (measurements.gpu_clock_found, self.show_gpu_clock),
@@ -104,9 +104,9 @@ class ComparePanel(Panel):
             (measurements.several_changed, self.set_several),
             (measurements.names_changed, self.show_names),
             (measurements.differences_found, self.show_differences),
-            (self.report_wanted, reports.write_report),
-            (self.open_wanted, reports.open_report),
-            (self.convergence_wanted, reports.converge),
+            (self.report_requested, reports.write_report),
+            (self.open_requested, reports.open_report),
+            (self.convergence_requested, reports.converge),
             (self.work_cancelled, reports.cancel),
             (reports.work_changed, self.show_work),
             (reports.written, self.show_report),
@@ -117,9 +117,9 @@ class ComparePanel(Panel):
 
     # ------------------------------------------------------------------ tables
 
-    def _pictures(self) -> FigureTable:
+    def _images(self) -> MetricTable:
         tr = self.tr
-        return FigureTable(
+        return MetricTable(
             [
                 ("psnr", tr("PSNR"), tr("Peak signal-to-noise ratio; infinite for equal pictures")),
                 (
@@ -135,9 +135,9 @@ class ComparePanel(Panel):
             parent=self,
         )
 
-    def _sides(self) -> FigureTable:
+    def _sides(self) -> MetricTable:
         tr = self.tr
-        return FigureTable(
+        return MetricTable(
             [
                 ("time", tr("Frame time"), tr("Median of full pictures of this size, drawn in turn")),
                 ("spread", tr("Spread"), tr("Distance of the quartiles as a part of the median")),
@@ -149,9 +149,9 @@ class ComparePanel(Panel):
             parent=self,
         )  # fmt: skip
 
-    def _meshes(self) -> FigureTable:
+    def _meshes(self) -> MetricTable:
         tr = self.tr
-        return FigureTable(
+        return MetricTable(
             [
                 ("faces", tr("Triangles"), tr("After vertices at one place have been merged")),
                 ("vertices", tr("Vertices"), tr("Those that a triangle uses")),
@@ -180,7 +180,7 @@ class ComparePanel(Panel):
                 "(in a process of its own)"
             )
         )
-        self.convergence_button.clicked.connect(self.convergence_wanted)
+        self.convergence_button.clicked.connect(self.convergence_requested)
         section = Section(self.tr("Convergence"), parent=self)
         section.add_wide(self.plot)
         section.add_wide(self.plot_words)
@@ -193,10 +193,10 @@ class ComparePanel(Panel):
         self.report_button.setToolTip(
             self.tr("All views with pictures, differences, figures and settings, as one page (or JSON, CSV)")
         )
-        self.report_button.clicked.connect(self.report_wanted)
+        self.report_button.clicked.connect(self.report_requested)
         self.open_button = QPushButton(self.tr("Open the report"), self)
         self.open_button.setToolTip(self.tr("Show the report that was written in the browser"))
-        self.open_button.clicked.connect(self.open_wanted)
+        self.open_button.clicked.connect(self.open_requested)
         self.open_button.hide()
         self.work = quiet_label("", self)
         self.work.setWordWrap(True)
@@ -250,7 +250,7 @@ class ComparePanel(Panel):
 
     def show_nothing(self, words: str) -> None:
         """There is nothing to compare, and why."""
-        self.pictures.clear()
+        self.images.clear()
         self.sides.clear()
         self.meshes.clear()
         self.state.setText(words)
@@ -269,33 +269,33 @@ class ComparePanel(Panel):
         for table in (self.sides, self.meshes):
             table.set_heads(("A", first), ("B", second))
 
-    def show_figures(self, figures: PairFigures) -> None:
-        """Show what was measured of the complete pictures."""
-        p = figures.pictures
+    def show_metrics(self, metrics: PairMetrics) -> None:
+        """Show what was measured of the complete images."""
+        p = metrics.images
         column, row = p.max_position
-        self.pictures.set_row(
+        self.images.set_row(
             "psnr", f"\N{INFINITY}{NARROW}dB" if math.isinf(p.psnr) else f"{p.psnr:.2f}{NARROW}dB"
         )
-        self.pictures.set_row("ssim", f"{p.ssim:.5f}")
-        self.pictures.set_row("mean", f"{p.mean_difference:.3f}")
+        self.images.set_row("ssim", f"{p.ssim:.5f}")
+        self.images.set_row("mean", f"{p.mean_difference:.3f}")
         place = f"  ({column}, {row})" if p.max_difference else ""
-        self.pictures.set_row("max", f"{p.max_difference:.0f}{place}")
-        self.pictures.set_row("visible", f"{100 * p.visible_share:.2f}{NARROW}%")
-        samples = figures.samples
+        self.images.set_row("max", f"{p.max_difference:.0f}{place}")
+        self.images.set_row("visible", f"{100 * p.visible_share:.2f}{NARROW}%")
+        samples = metrics.samples
         self.sides.set_row("samples", *(None if s is None else f"{s.mean:.1f}" for s in samples))
         self.sides.set_row("longest", *(None if s is None else f"{s.maximum:.0f}" for s in samples))
-        self._show_meshes(figures)
+        self._show_meshes(metrics)
         self.show_state("")
 
-    def _show_meshes(self, figures: PairFigures) -> None:
-        self.mesh_section.setVisible(any(mesh is not None for mesh in figures.meshes))
+    def _show_meshes(self, metrics: PairMetrics) -> None:
+        self.mesh_section.setVisible(any(mesh is not None for mesh in metrics.meshes))
 
         def row(key: str, form: str, read: str) -> None:
             self.meshes.set_row(
                 key,
                 *(
                     None if m is None else format(getattr(m, read), form).replace(",", NARROW)
-                    for m in figures.meshes
+                    for m in metrics.meshes
                 ),
             )
 
@@ -306,7 +306,7 @@ class ComparePanel(Panel):
         row("euler", "d", "euler_characteristic")
         row("open", ",d", "boundary_edges")
         row("parts", ",d", "components")
-        distance = figures.distance
+        distance = metrics.distance
         self.meshes.set_row(
             "hausdorff",
             None if distance is None else f"{distance.forward:.4g}",

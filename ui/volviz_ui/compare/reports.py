@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from volviz.errors import VolvizError
 from volviz.model.scene import Scene
-from volviz.model.tf_formats import write_transfer_function
+from volviz.model.transfer.formats import write_transfer_function
 from volviz_ui.app_context import AppContext
 from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve

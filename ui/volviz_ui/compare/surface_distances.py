@@ -12,13 +12,13 @@ from volviz.compare.distance_map import DistanceMap, distance_maps
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.errors import InputError
 from volviz.model.comparison import Comparison
-from volviz.model.volume import Volume
-from volviz_ui.compare.figures import MeshStore, mesh_key
-from volviz_ui.documents import Documents
-from volviz_ui.loaded_scene import LoadedScene
-from volviz_ui.views.pane import Pane
-from volviz_ui.views.view_area import ViewArea
-from volviz_ui.workers import Task, Workers
+from volviz.volume_data.volume import Volume
+from volviz_ui.compare.metrics import MeshCache, mesh_key
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.session.workers import Task, Workers
+from volviz_ui.views.view_grid import ViewGrid
+from volviz_ui.views.view_widget import ViewWidget
 
 DELAY_MS = 150
 """The surfaces must have rested for so long before anything is measured."""
@@ -63,9 +63,9 @@ class SurfaceDistances(QObject):
     def __init__(
         self,
         documents: Documents,
-        views: ViewArea,
+        views: ViewGrid,
         workers: Workers,
-        meshes: MeshStore,
+        meshes: MeshCache,
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
@@ -101,15 +101,16 @@ class SurfaceDistances(QObject):
 
     def _both(self) -> _Pair | None:
         """The two surfaces that are compared, None where there are not two."""
-        panes, shown = self._views.arrangement.pair, self._documents.shown
+        view_widgets, shown = self._views.arrangement.pair, self._documents.shown
         volume, scene = shown.volume, shown.scene
-        if panes is None or volume is None:
+        if view_widgets is None or volume is None:
             return None
-        infos = [current_technique(scene, pane.view) for pane in panes]
+        infos = [current_technique(scene, view_widget.view) for view_widget in view_widgets]
         if not all(info.colors_surface for info in infos):
             return None
         first, second = (
-            (info.id, current_settings(scene, pane.view)) for info, pane in zip(infos, panes, strict=True)
+            (info.id, current_settings(scene, view_widget.view))
+            for info, view_widget in zip(infos, view_widgets, strict=True)
         )
         return _Pair(volume, (first, second))
 
@@ -179,12 +180,12 @@ class SurfaceDistances(QObject):
         """Give the two views their colours, and all others none."""
         before = self.colors
         self._make(comparison)
-        colors, panes = self.colors, self._views.arrangement.pair
-        given: dict[Pane, Any] = {}
-        if colors is not None and panes is not None:
-            given = dict(zip(panes, (colors.first, colors.second), strict=True))
-        for pane in self._views.panes:
-            self._color(pane, given.get(pane), colors)
+        colors, view_widgets = self.colors, self._views.arrangement.pair
+        given: dict[ViewWidget, Any] = {}
+        if colors is not None and view_widgets is not None:
+            given = dict(zip(view_widgets, (colors.first, colors.second), strict=True))
+        for view_widget in self._views.view_widgets:
+            self._color(view_widget, given.get(view_widget), colors)
         if colors is not None and colors is not before:
             self.found.emit(colors, self._unit(), comparison.distances == "signed")
         if colors is not before:
@@ -201,19 +202,19 @@ class SurfaceDistances(QObject):
         if self._made is None or self._made[0] != key:
             self._made = (key, distance_colors(key[0], pair.volume.spacing, comparison.distance_limit))
 
-    def _color(self, pane: Pane, wanted: Any, colors: DistanceColors | None) -> None:
-        handle = pane.display.handle
+    def _color(self, view_widget: ViewWidget, wanted: Any, colors: DistanceColors | None) -> None:
+        handle = view_widget.controller.handle
         if wanted is None or colors is None:
-            pane.scenery.show_values(None)
+            view_widget.annotations.show_values(None)
         elif colors.are_same:
-            pane.scenery.show_values(None, self.tr("No distance: the surfaces are the same"))
+            view_widget.annotations.show_values(None, self.tr("No distance: the surfaces are the same"))
         else:
-            pane.scenery.show_values(wanted, self._unit())
+            view_widget.annotations.show_values(wanted, self._unit())
         if handle is None or handle.surface_colors is wanted:
             return
         if wanted is None or handle.technique.colors_surface:
             handle.color_surface(wanted)
-            pane.viewport.render()
+            view_widget.viewport.render()
 
     def _unit(self) -> str:
         volume = self._documents.volume

@@ -7,7 +7,7 @@ import platform
 from PySide6.QtCore import Qt, qVersion
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from volviz_ui.app_icon import app_icon
+from volviz_ui.style.app_icon import app_icon
 
 
 class AboutDialog(QDialog):
@@ -21,9 +21,9 @@ class AboutDialog(QDialog):
 
         import volviz
 
-        picture = QLabel(self)
-        picture.setPixmap(app_icon().pixmap(72, 72))
-        picture.setAlignment(Qt.AlignmentFlag.AlignTop)
+        image = QLabel(self)
+        image.setPixmap(app_icon().pixmap(72, 72))
+        image.setAlignment(Qt.AlignmentFlag.AlignTop)
         words = QLabel(self)
         words.setTextFormat(Qt.TextFormat.RichText)
         words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -44,7 +44,7 @@ class AboutDialog(QDialog):
         )
         top = QHBoxLayout()
         top.setSpacing(20)
-        top.addWidget(picture)
+        top.addWidget(image)
         top.addWidget(words, 1)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)

@@ -9,7 +9,7 @@ from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QMessageBox, QTextEdit, QWidget
 
 from volviz.errors import VolvizError
-from volviz_ui.icons import icon
+from volviz_ui.style.icons import icon
 
 
 def sentence_of(error: BaseException) -> str:

@@ -1,4 +1,4 @@
-"""Exporting the mesh in the picture: format and file, written on a worker with progress and cancel."""
+"""Exporting the mesh in the image: format and file, written on a worker with progress and cancel."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from PySide6.QtWidgets import (
 
 from volviz.meshes.files import FORMAT_NAMES, check_mesh_target, save_mesh
 from volviz_ui.dialogs.error import show_error
-from volviz_ui.editors.simple import CalmComboBox
-from volviz_ui.surface import SurfaceFacts
+from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.session.mesh_summary import MeshSummary
+from volviz_ui.session.workers import Task, Workers
 from volviz_ui.widgets.progress_bar import ProgressBar
 from volviz_ui.widgets.small import quiet_label
-from volviz_ui.workers import Task, Workers
 
 NAME = "surface"
 
@@ -32,7 +32,7 @@ class ExportMeshDialog(QDialog):
 
     Parameters
     ----------
-    facts : SurfaceFacts
+    summary : MeshSummary
         What is written.
     workers : Workers
         Who writes it.
@@ -44,30 +44,30 @@ class ExportMeshDialog(QDialog):
     """Path of the file that was written."""
 
     def __init__(
-        self, facts: SurfaceFacts, workers: Workers, folder: str, parent: QWidget | None = None
+        self, summary: MeshSummary, workers: Workers, folder: str, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.setWindowTitle(self.tr("Export mesh"))
-        self._facts = facts
+        self._summary = summary
         self._workers = workers
         self._folder = folder
         self._task: Task | None = None
-        self.format = CalmComboBox(self)
+        self.format = NoWheelComboBox(self)
         self.format.setToolTip(self.tr("Which kind of file"))
         self.format.setAccessibleName(self.tr("Format"))
         for ending, name in FORMAT_NAMES.items():
             self.format.addItem(f"{name} ({ending})", ending)
-        low, high = facts.polydata.points.min(axis=0), facts.polydata.points.max(axis=0)
+        low, high = summary.polydata.points.min(axis=0), summary.polydata.points.max(axis=0)
         size = " × ".join(f"{length:.4g}" for length in high - low)
         form = QFormLayout()
         form.setHorizontalSpacing(16)
         form.setVerticalSpacing(8)
         form.addRow(self.tr("Format"), self.format)
         for label, words, tooltip in (
-            (self.tr("Triangles"), f"{facts.metrics.faces:,}".replace(",", " "), self.tr("As shown")),
+            (self.tr("Triangles"), f"{summary.metrics.faces:,}".replace(",", " "), self.tr("As shown")),
             (
                 self.tr("Extent"),
-                f"{size} {facts.length_unit}",
+                f"{size} {summary.length_unit}",
                 self.tr("Length of the mesh along x, y, z of the world"),
             ),
         ):
@@ -140,7 +140,7 @@ class ExportMeshDialog(QDialog):
         except Exception as error:  # noqa: BLE001 - told in the dialog's own words
             show_error(self, self.tr("The mesh was not saved"), error)
             return
-        mesh = self._facts.polydata
+        mesh = self._summary.polydata
         self._show_writing(True)
         self._task = self._workers.start(
             lambda task: save_mesh(

@@ -1,4 +1,4 @@
-"""Progress of a picture on its way to a file or the clipboard, with a button that gives it up."""
+"""Progress of an image on its way to a file or the clipboard, with a button that gives it up."""
 
 from __future__ import annotations
 

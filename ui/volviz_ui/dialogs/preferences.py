@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
 
-from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.widgets.small import quiet_label
 
 
@@ -49,8 +49,8 @@ class PreferencesDialog(QDialog):
         layout.addWidget(buttons)
         self.setMinimumWidth(400)
 
-    def _list(self, choices: tuple[tuple[str, str], ...], chosen: str) -> CalmComboBox:
-        box = CalmComboBox(self)
+    def _list(self, choices: tuple[tuple[str, str], ...], chosen: str) -> NoWheelComboBox:
+        box = NoWheelComboBox(self)
         box.setMinimumContentsLength(16)
         for value, label in choices:
             box.addItem(label, value)

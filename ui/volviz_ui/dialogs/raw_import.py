@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from volviz_ui.editors.number import NumberField
-from volviz_ui.editors.simple import QWIDGETSIZE_MAX, CalmComboBox
+from volviz_ui.editors.simple import QWIDGETSIZE_MAX, NoWheelComboBox
 from volviz_ui.widgets.small import quiet_label
 
 RAW_SUFFIXES = (".raw", ".raw.gz", ".bin", ".vol")
@@ -57,10 +57,10 @@ class RawImportDialog(QDialog):
         known = hints_from_name(path)
 
         self.dims = [self._count() for _ in range(3)]
-        self.dtype = CalmComboBox(self)
+        self.dtype = NoWheelComboBox(self)
         self.dtype.addItems(list(DTYPES))
         self.dtype.setToolTip(self.tr("Type of one value"))
-        self.endian = CalmComboBox(self)
+        self.endian = NoWheelComboBox(self)
         self.endian.addItem(self.tr("Little endian (Intel, ARM)"), "little")
         self.endian.addItem(self.tr("Big endian"), "big")
         self.endian.setToolTip(self.tr("Order of the bytes of a value"))

@@ -20,7 +20,7 @@ COUNTED = ("voxels", "steps", "pixels")
 FIELD_WIDTH = 96
 
 
-class CalmSlider(QSlider):
+class NoWheelSlider(QSlider):
     """A slider that leaves the wheel to the panel it scrolls with, unless it has the focus."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -180,7 +180,7 @@ class SliderField(QWidget):
         super().__init__(parent)
         self.scale = scale
         self._value = scale.low
-        self.slider = CalmSlider(self)
+        self.slider = NoWheelSlider(self)
         self.slider.setRange(0, STEPS)
         self.slider.setPageStep(STEPS // 10)
         self.slider.setSingleStep(max(1, STEPS // 100))

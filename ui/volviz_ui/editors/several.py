@@ -13,7 +13,7 @@ from volviz.model.parameters import Parameter
 from volviz_ui.editors.base import Editor, tooltip_of
 from volviz_ui.editors.number import Scale, SliderField, slider_range
 from volviz_ui.editors.simple import ColorButton, chosen_color
-from volviz_ui.icons import set_icon
+from volviz_ui.style.icons import set_icon
 from volviz_ui.widgets.small import small_button
 
 MOST = 4

@@ -27,7 +27,7 @@ QWIDGETSIZE_MAX = 16777215
 """Qt's own limit, which PySide6 does not name."""
 
 
-class CalmComboBox(QComboBox):
+class NoWheelComboBox(QComboBox):
     """A list that the wheel changes only with the focus, and that may be narrower than its longest entry."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -69,7 +69,7 @@ class ChoiceEditor(Editor):
 
     def __init__(self, parameter: Parameter, parent: QWidget | None = None) -> None:
         super().__init__(parameter, parent)
-        self.control = CalmComboBox(self)
+        self.control = NoWheelComboBox(self)
         for value, label in parameter.choices:
             self.control.addItem(label, value)
         self.control.setToolTip(tooltip_of(parameter))
@@ -216,7 +216,7 @@ class TextEditor(Editor):
         self._action.setVisible(False)
 
     def _on_finished(self) -> None:
-        from volviz_ui.icons import icon
+        from volviz_ui.style.icons import icon
 
         try:
             value = self.parameter.parse(self.control.text())

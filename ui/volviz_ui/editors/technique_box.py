@@ -8,8 +8,8 @@ from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem,
 
 from volviz.custom_gl.scene_techniques import choose_technique, counterparts, drawing_techniques
 from volviz.model.store import Store
-from volviz_ui.binding import show_value
-from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.widgets.binding import show_value
 
 SUMMARY = Qt.ItemDataRole.UserRole + 1
 Index = QModelIndex | QPersistentModelIndex
@@ -43,7 +43,7 @@ class _TwoLines(QStyledItemDelegate):
         painter.restore()
 
 
-class TechniqueBox(CalmComboBox):
+class TechniqueBox(NoWheelComboBox):
     """Chooses the technique of a view.
 
     Parameters

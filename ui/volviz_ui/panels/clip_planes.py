@@ -12,12 +12,12 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayo
 from volviz.model.clipping import MAX_PLANES, Plane
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
-from volviz_ui.binding import send_gesture, send_value, show_value
-from volviz_ui.documents import Documents
+from volviz.volume_data.volume import Volume
 from volviz_ui.editors.number import Scale, SliderField
-from volviz_ui.icons import set_icon
-from volviz_ui.loaded_scene import volume_of
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import volume_of
+from volviz_ui.style.icons import set_icon
+from volviz_ui.widgets.binding import send_gesture, send_value, show_value
 from volviz_ui.widgets.small import small_button
 
 Planes = tuple[Plane, ...]

@@ -12,11 +12,11 @@ from superqt import QRangeSlider
 from volviz.model.clipping import Crop
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
-from volviz_ui.binding import send_gesture, send_value, show_value
-from volviz_ui.documents import Documents
-from volviz_ui.loaded_scene import LoadedScene, volume_of
-from volviz_ui.theme import is_palette_change
+from volviz.volume_data.volume import Volume
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene, volume_of
+from volviz_ui.style.theme import is_palette_change
+from volviz_ui.widgets.binding import send_gesture, send_value, show_value
 
 GESTURE = "crop box"
 

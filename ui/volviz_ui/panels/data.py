@@ -5,17 +5,17 @@ from __future__ import annotations
 from PySide6.QtWidgets import QWidget
 
 from volviz.model.store import Store
-from volviz.model.volume import Volume
-from volviz_ui.binding import show_value
-from volviz_ui.documents import Documents
-from volviz_ui.loaded_scene import volume_of
+from volviz.volume_data.volume import Volume
 from volviz_ui.panels.clip_planes import ClipPlanes
 from volviz_ui.panels.crop import CropBox
-from volviz_ui.panels.fact import Fact
 from volviz_ui.panels.histogram import HistogramView
 from volviz_ui.panels.panel import Panel, Section
+from volviz_ui.panels.value_label import ValueLabel
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import volume_of
+from volviz_ui.session.workers import Workers
+from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.small import quiet_label
-from volviz_ui.workers import Workers
 
 
 class DataPanel(Panel):
@@ -25,9 +25,9 @@ class DataPanel(Panel):
         self, store: Store, documents: Documents, workers: Workers, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
-        self._facts: dict[str, Fact] = {}
-        facts = Section(self.tr("Volume"), parent=self)
-        facts.rows.setVerticalSpacing(3)
+        self._properties: dict[str, ValueLabel] = {}
+        properties = Section(self.tr("Volume"), parent=self)
+        properties.rows.setVerticalSpacing(3)
         for key, label, tooltip in (
             ("name", self.tr("Name"), self.tr("What the data set is called")),
             ("size", self.tr("Size"), self.tr("Voxels along x, y, z")),
@@ -37,17 +37,17 @@ class DataPanel(Panel):
             ("range", self.tr("Range"), self.tr("Lowest and highest finite value, with the unit")),
             ("nonfinite", self.tr("Not finite"), self.tr("Number of values that are NaN or infinite")),
         ):
-            value = Fact(tooltip, facts)
+            value = ValueLabel(tooltip, properties)
             value.setAccessibleName(label)
-            words = facts.add_row(label, value, tooltip=tooltip)
+            words = properties.add_row(label, value, tooltip=tooltip)
             words.setProperty("quiet", True)
-            self._facts[key] = value
-        facts.rows.setColumnMinimumWidth(0, 64)
-        self._nonfinite_row = (facts.rows.itemAtPosition(facts.rows.rowCount() - 1, 0), value)
+            self._properties[key] = value
+        properties.rows.setColumnMinimumWidth(0, 64)
+        self._nonfinite_row = (properties.rows.itemAtPosition(properties.rows.rowCount() - 1, 0), value)
         self.notes = quiet_label()
         self.notes.setWordWrap(True)
         self.notes.setToolTip(self.tr("What the reader has to say about the file"))
-        facts.add_wide(self.notes)
+        properties.add_wide(self.notes)
 
         shown = Section(self.tr("Histogram"), parent=self)
         self.histogram = HistogramView(documents, workers, self)
@@ -60,13 +60,13 @@ class DataPanel(Panel):
         planes = Section(self.tr("Clip planes"), parent=self)
         self.planes = ClipPlanes(store, documents, self)
         planes.add_wide(self.planes)
-        for section in (facts, shown, crop, planes):
+        for section in (properties, shown, crop, planes):
             self.add(section)
         show_value(documents, volume_of, self._show_volume)
 
     def _show_volume(self, volume: Volume | None) -> None:
-        texts = dict.fromkeys(self._facts, "–") if volume is None else facts_of(volume)
-        for key, label in self._facts.items():
+        texts = dict.fromkeys(self._properties, "–") if volume is None else properties_of(volume)
+        for key, label in self._properties.items():
             label.show_text(texts[key])
         has_nonfinite = volume is not None and volume.nonfinite_count > 0
         item, value = self._nonfinite_row
@@ -77,7 +77,7 @@ class DataPanel(Panel):
         self.notes.setVisible(bool(self.notes.text()))
 
 
-def facts_of(volume: Volume) -> dict[str, str]:
+def properties_of(volume: Volume) -> dict[str, str]:
     """The facts about a volume in words."""
     low, high = volume.range
     unit = f" {volume.unit}" if volume.unit else ""

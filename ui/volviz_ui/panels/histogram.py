@@ -11,11 +11,11 @@ from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QP
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from volviz.kernels.histogram import progressive_histogram
-from volviz.model.volume import Volume
-from volviz_ui.binding import show_value
-from volviz_ui.documents import Documents
-from volviz_ui.loaded_scene import volume_of
-from volviz_ui.workers import Task, Workers
+from volviz.volume_data.volume import Volume
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import volume_of
+from volviz_ui.session.workers import Task, Workers
+from volviz_ui.widgets.binding import show_value
 
 BINS = 256
 

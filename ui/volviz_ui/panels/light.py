@@ -12,14 +12,14 @@ from volviz.model.light import Light, default_position
 from volviz.model.parameters import parameters_of
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.volume import Volume
-from volviz_ui.binding import send_gesture, send_value, show_value
-from volviz_ui.documents import Documents
+from volviz.volume_data.volume import Volume
 from volviz_ui.editors import Editor, editor_for
 from volviz_ui.editors.optional import OptionalEditor
-from volviz_ui.loaded_scene import volume_of
 from volviz_ui.panels.panel import Section
 from volviz_ui.panels.settings_form import LABEL_WIDTH
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import volume_of
+from volviz_ui.widgets.binding import send_gesture, send_value, show_value
 
 _FIELDS = {"headlight": "headlight", "light_position": "position", "light_color": "color"}
 """Setting of `SharedSettings` and field of `Light`."""

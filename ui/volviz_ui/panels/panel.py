@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz_ui.icons import set_icon
+from volviz_ui.style.icons import set_icon
 
 
 class Panel(QScrollArea):

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QLabel, QToolButton, QVBoxLayout, QWidget
 
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.parameters import Parameter
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 from volviz_ui.editors import Editor, editor_for
 from volviz_ui.editors.base import tooltip_of
 from volviz_ui.editors.optional import OptionalEditor
@@ -76,10 +76,10 @@ class SettingsForm(QWidget):
             self._add(parameter, self._is_open)
             if time.perf_counter() - begin > seconds:
                 break
-        machinery = self.sections.get(self._machinery())
-        if machinery is not None:
-            self._column.removeWidget(machinery)
-            self._column.addWidget(machinery)
+        debug_view = self.sections.get(self._debug_view())
+        if debug_view is not None:
+            self._column.removeWidget(debug_view)
+            self._column.addWidget(debug_view)
 
     def fits(self, volume: Volume | None) -> bool:
         """Whether a form for that volume would have the same ranges and units."""
@@ -109,11 +109,11 @@ class SettingsForm(QWidget):
             if isinstance(editor, OptionalEditor):
                 editor.set_fallback(value)
 
-    def _machinery(self) -> str:
+    def _debug_view(self) -> str:
         return self.tr("View the machinery")
 
     def _add(self, parameter: Parameter, is_open: Callable[[str], bool]) -> None:
-        group = self._machinery() if parameter.name == "display" else parameter.group or self.tr("Settings")
+        group = self._debug_view() if parameter.name == "display" else parameter.group or self.tr("Settings")
         section = self.sections.get(group)
         if section is None:
             section = Section(group, open_=is_open(group), parent=self)

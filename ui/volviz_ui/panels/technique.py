@@ -17,17 +17,17 @@ from volviz.custom_gl.scene_techniques import (
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.store import Store
-from volviz.model.volume import Volume
-from volviz_ui.binding import show_value
-from volviz_ui.documents import Documents
+from volviz.volume_data.volume import Volume
 from volviz_ui.editors.technique_box import TechniqueBox
-from volviz_ui.loaded_scene import volume_of
-from volviz_ui.panels.form_shelf import FormShelf
+from volviz_ui.panels.form_cache import FormCache
 from volviz_ui.panels.light import LightSection
+from volviz_ui.panels.mesh_section import MeshSection
 from volviz_ui.panels.panel import Panel
 from volviz_ui.panels.settings_form import SettingsForm
-from volviz_ui.panels.surface import SurfaceSection
-from volviz_ui.surface import shows_mesh
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import volume_of
+from volviz_ui.session.mesh_summary import shows_mesh
+from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.focus_order import set_focus_order
 from volviz_ui.widgets.small import quiet_label, small_button
 
@@ -42,7 +42,7 @@ class TechniquePanel(Panel):
         self._volume = documents.volume
         self._folded: set[str] = set()
         self.form: SettingsForm | None = None
-        self.shelf = FormShelf(self._made_form, store, self)
+        self.forms = FormCache(self._made_form, store, self)
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.setInterval(0)
@@ -64,7 +64,7 @@ class TechniquePanel(Panel):
         line.setSpacing(4)
         line.addWidget(self.box, 1)
         line.addWidget(self.reset_all)
-        self.surface = SurfaceSection(self)
+        self.surface = MeshSection(self)
         for widget in (head, self.summary, self.surface, self.light):
             self.add(widget)
         show_value(documents, lambda shown: shown.scene.view.technique, self.show_technique)
@@ -84,14 +84,14 @@ class TechniquePanel(Panel):
         if self.form is not None and not self.form.fits(volume):
             self.column.removeWidget(self.form)
             self.form = None
-        self.shelf.make_for(volume)
+        self.forms.make_for(volume)
         self._show_form()
 
     def forget_forms(self) -> None:
         """Keep the form that is shown and no other."""
-        self.shelf.keep_only(self.form)
+        self.forms.keep_only(self.form)
         if self.isVisible():
-            self.shelf.rest()
+            self.forms.make_more()
 
     def show_technique(self, _technique: str) -> None:
         """Show the settings of another technique."""
@@ -118,7 +118,7 @@ class TechniquePanel(Panel):
     def _show_form(self) -> None:
         info = current_technique(self._documents.shown.scene)
         self.summary.setText(info.summary)
-        old, form = self.form, self.shelf.form(info)
+        old, form = self.form, self.forms.form(info)
         form.fold(self._is_open)
         form.show_settings(current_settings(self._documents.shown.scene))
         if self._volume is not None:
@@ -135,17 +135,17 @@ class TechniquePanel(Panel):
         QCoreApplication.sendPostedEvents(self.body, QEvent.Type.LayoutRequest.value)
         self.updateGeometry()
         if self.isVisible():
-            self.shelf.rest()
+            self.forms.make_more()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Somebody looks: further forms are made in quiet times."""
         super().showEvent(event)
-        self.shelf.rest()
+        self.forms.make_more()
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Nobody looks."""
         super().hideEvent(event)
-        self.shelf.stop()
+        self.forms.stop()
 
     def _on_setting_changed(self, name: str, value: Any) -> None:
         if not self._documents.is_current:

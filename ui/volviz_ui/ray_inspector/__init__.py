@@ -1,1 +1,1 @@
-"""The ray inspector: a click in the picture shows the ray behind that pixel, sample by sample."""
+"""The ray inspector: a click in the image shows the ray behind that pixel, sample by sample."""

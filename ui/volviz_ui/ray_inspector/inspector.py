@@ -13,14 +13,14 @@ from volviz.custom_gl.scene_techniques import render_spec
 from volviz.custom_gl.settings import common_settings
 from volviz.errors import VolvizError
 from volviz.model.render_spec import RenderSpec, View
-from volviz.model.volume import Volume
 from volviz.ray_inspection import RayInspection, inspect_ray
-from volviz_ui.documents import Documents
+from volviz.volume_data.volume import Volume
 from volviz_ui.ray_inspector.panel import RayPanel
-from volviz_ui.workers import Workers
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.workers import Workers
 
 if TYPE_CHECKING:
-    from volviz_ui.views.view_area import ViewArea
+    from volviz_ui.views.view_grid import ViewGrid
 
 FOLLOW_MS = 15
 """After a change the ray is followed again this much later; further changes until then cost nothing."""
@@ -59,7 +59,7 @@ class RayInspector(QObject):
     ----------
     documents, workers
         Those of the window.
-    views : ViewArea
+    views : ViewGrid
         Where a click chooses the pixel; the ray is that of the active view, its mark is shown in all of them.
     panel : RayPanel
         Shows the ray.
@@ -72,7 +72,7 @@ class RayInspector(QObject):
         self,
         documents: Documents,
         workers: Workers,
-        views: ViewArea,
+        views: ViewGrid,
         panel: RayPanel,
         parent: QObject | None = None,
     ) -> None:
@@ -102,7 +102,7 @@ class RayInspector(QObject):
     # ------------------------------------------------------------------ what is inspected
 
     def set_active(self, active: bool) -> None:
-        """The panel is opened or closed; opened for the first time it follows the middle of the picture."""
+        """The panel is opened or closed; opened for the first time it follows the middle of the image."""
         if active == self.is_active:
             return
         self.is_active = active
@@ -137,7 +137,7 @@ class RayInspector(QObject):
 
     def _on_clicked(self, view: int, position: QPointF) -> None:
         if self.is_active:
-            viewport = self._views.panes[view].viewport
+            viewport = self._views.view_widgets[view].viewport
             self.inspect((position.x() / viewport.width(), position.y() / viewport.height()))
 
     def _on_pixel_entered(self, column: int, row: int) -> None:
@@ -148,60 +148,63 @@ class RayInspector(QObject):
         if self.is_active and self.place is not None and not self._timer.isActive():
             self._timer.start()
 
-    def _wanted(self) -> _Request | None:
+    def _request(self) -> _Request | None:
         scene, volume = self._documents.shown.scene, self._documents.volume
         if self.place is None or volume is None or scene.layer is None:
             return None
-        pane = self._views.active
-        width, height = size = pane.viewport.pixel_size
+        view_widget = self._views.active
+        width, height = size = view_widget.viewport.pixel_size
         pixel = (min(int(self.place[0] * width), width - 1), min(int(self.place[1] * height), height - 1))
-        camera = pane.viewport.renderer.GetActiveCamera()
+        camera = view_widget.viewport.renderer.GetActiveCamera()
         return _Request(
-            changed_spec(render_spec(scene, pane.view), volume=volume),
+            changed_spec(render_spec(scene, view_widget.view), volume=volume),
             volume,
-            View(pane.viewport.view_camera, size, clipping_range=camera.GetClippingRange()),
+            View(view_widget.viewport.view_camera, size, clipping_range=camera.GetClippingRange()),
             pixel,
-            pane.display.opaque_depth(*pixel),
+            view_widget.controller.opaque_depth(*pixel),
         )
 
     def _follow(self) -> None:
         if not self.is_active or self._working is not None:
             return
-        wanted = self._wanted()
-        if wanted is None:
+        request = self._request()
+        if request is None:
             self._shown = None
             self.panel.show_ray(None, "", "", (0.0, 1.0))
             self._views.show_ray_mark(None)
             return
-        if wanted == self._shown:
+        if request == self._shown:
             return
-        if wanted.is_short:
-            self._show(wanted, wanted.inspected)
+        if request.is_short:
+            self._show(request, request.inspected)
             return
-        self._working = wanted
-        task = self._workers.start(lambda _task: wanted.inspected())
+        self._working = request
+        task = self._workers.start(lambda _task: request.inspected())
         task.succeeded.connect(self._on_inspected)
         task.failed.connect(self._on_failed)
         task.ended.connect(self._on_ended)
 
     def _on_inspected(self, found: RayInspection) -> None:
-        wanted = self._working
-        if wanted is not None and self.is_active and self.place is not None:
-            self._show(wanted, lambda: found)
+        request = self._working
+        if request is not None and self.is_active and self.place is not None:
+            self._show(request, lambda: found)
 
-    def _show(self, wanted: _Request, inspect: Callable[[], RayInspection]) -> None:
-        self._shown = wanted
+    def _show(self, request: _Request, inspect: Callable[[], RayInspection]) -> None:
+        self._shown = request
         try:
             found = inspect()
         except VolvizError as error:
             self._say(error)
             return
-        volume = wanted.volume
+        volume = request.volume
         length_unit = str(volume.metadata.get("length_unit", "mm"))
         self.panel.show_pixel(found.pixel)
         self.panel.show_ray(found, volume.unit, length_unit, volume.range)
         self._views.show_ray_mark(
-            ((found.pixel[0] + 0.5) / wanted.view.size[0], 1.0 - (found.pixel[1] + 0.5) / wanted.view.size[1])
+            (
+                (found.pixel[0] + 0.5) / request.view.size[0],
+                1.0 - (found.pixel[1] + 0.5) / request.view.size[1],
+            )
         )
         self._show_sample(self.panel.plot.chosen)
 

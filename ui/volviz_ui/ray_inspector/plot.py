@@ -20,7 +20,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from volviz.ray_inspection import RayInspection
-from volviz_ui.theme import is_palette_change
+from volviz_ui.style.theme import is_palette_change
 from volviz_ui.transfer_editor.axes import OpacityAxis, round_values, value_text
 from volviz_ui.transfer_editor.painting import small_font, with_alpha
 

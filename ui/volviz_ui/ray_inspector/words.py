@@ -37,7 +37,7 @@ def end_words(found: RayInspection, length_unit: str, tr: Translate) -> str:
 
 
 def notes(found: RayInspection, tr: Translate) -> list[str]:
-    """What one should know before comparing the numbers with the picture."""
+    """What one should know before comparing the numbers with the image."""
     said = []
     if not found.exact:
         known = techniques()
@@ -56,7 +56,7 @@ def notes(found: RayInspection, tr: Translate) -> list[str]:
                 "The mode makes one value of all samples and classifies that; the line steps where it changes."
             )
         )
-    if found.shows_machinery:
+    if found.shows_debug_view:
         said.append(tr("The picture shows the machinery now; these are the samples of the image."))
     if found.reduced:
         said.append(tr("Mipmaps are on: the picture may be drawn from smoothed data, these samples are not."))

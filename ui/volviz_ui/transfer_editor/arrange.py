@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import QPointF
 from PySide6.QtWidgets import QMenu
 
-from volviz.model import transfer_edits as edits
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.transfer_shapes import Shape, with_shape
+from volviz.model.transfer import edits
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.shapes import Shape, with_shape
 
 if TYPE_CHECKING:
     from volviz_ui.transfer_editor.plot import TransferPlot
@@ -81,7 +81,7 @@ def arrange(plot: TransferPlot, label: str, edit: Edit) -> None:
 
 def fill_arrange_menu(menu: QMenu, plot: TransferPlot) -> None:
     """Entries of all arrangements."""
-    from volviz_ui.icons import set_icon
+    from volviz_ui.style.icons import set_icon
 
     for one in arrangements(plot):
         if one is None:
@@ -111,15 +111,15 @@ def context_menu(plot: TransferPlot, at: QPointF) -> QMenu:
     """The menu of the plot at a pixel."""
     menu = QMenu(plot)
     menu.setToolTipsVisible(True)
-    has_choice = bool(plot.model.selection) or plot.model.stop is not None
+    has_choice = bool(plot.model.selection) or plot.model.color_point is not None
     menu.addAction(plot.tr("Add point here")).triggered.connect(lambda: plot.add_point(at))
     menu.addAction(plot.tr("Add colour here")).triggered.connect(
-        lambda: plot.add_stop(plot.places.value(at.x()))
+        lambda: plot.add_color_point(plot.places.value(at.x()))
     )
     fill_shape_menu(menu.addMenu(plot.tr("Add shape here")), plot, at)
     menu.addSeparator()
     for label, slot in (
-        (plot.tr("Colour…"), plot.color_wanted.emit),
+        (plot.tr("Colour…"), plot.color_requested.emit),
         (plot.tr("Duplicate"), plot.duplicate),
         (plot.tr("Delete"), plot.delete),
     ):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPointF, Signal
 
-from volviz.model.transfer_lanes import with_stop, without_stop
+from volviz.model.transfer.channels import with_point, without_point
 from volviz_ui.transfer_editor.plot_view import PlotView
 
 #: A double click this near to the curve adds a point on it, pixels.
@@ -14,8 +14,8 @@ ON_CURVE = 6.0
 class EditablePlot(PlotView):
     """A plot with the edits of what it shows."""
 
-    color_wanted = Signal()
-    fields_wanted = Signal()
+    color_requested = Signal()
+    fields_requested = Signal()
     marker_moved = Signal(int, float)
 
     # ------------------------------------------------------------------ isovalues
@@ -59,21 +59,21 @@ class EditablePlot(PlotView):
         function, index = function.with_point(value, (red, green, blue, alpha))
         self.model.apply(function, self.tr("Add point"), {index})
 
-    def add_stop(self, value: float) -> None:
+    def add_color_point(self, value: float) -> None:
         """Add a stop to the colour ramp that leaves it as it looks."""
-        colors, opacities = self.model.lanes
-        colors, index = with_stop(colors, value)
-        self.model.apply_lanes(colors, opacities, self.tr("Add colour"), index)
+        colors, opacities = self.model.channels
+        colors, index = with_point(colors, value)
+        self.model.apply_channels(colors, opacities, self.tr("Add colour"), index)
 
     def delete(self) -> None:
         """Remove the chosen points or the chosen stop."""
-        stop = self.model.stop
-        if stop is None:
+        color_point = self.model.color_point
+        if color_point is None:
             self.model.delete_selected()
             return
-        colors, opacities = self.model.lanes
-        self.model.select_stop(None)
-        self.model.apply_lanes(without_stop(colors, stop), opacities, self.tr("Delete colour"))
+        colors, opacities = self.model.channels
+        self.model.select_color_point(None)
+        self.model.apply_channels(without_point(colors, color_point), opacities, self.tr("Delete colour"))
 
     def duplicate(self) -> None:
         """Copy the chosen points a little to the right."""

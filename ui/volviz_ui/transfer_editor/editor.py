@@ -18,32 +18,32 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz.model.auto_transfer_2d import auto_regions
-from volviz.model.own_presets import OwnPresets
-from volviz.model.presets import Preset, presets
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.transfer_function_2d import TransferFunction2D
-from volviz_ui.binding import show_value
-from volviz_ui.icons import set_icon
-from volviz_ui.loaded_scene import volume_of
+from volviz.model.transfer.automatic_2d import auto_regions
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.function_2d import TransferFunction2D
+from volviz.model.transfer.own_presets import OwnPresets
+from volviz.model.transfer.presets import Preset, presets
+from volviz_ui.session.loaded_scene import volume_of
+from volviz_ui.style.icons import set_icon
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
-from volviz_ui.transfer_editor.counting import Counter
 from volviz_ui.transfer_editor.dimension_switch import DimensionSwitch
 from volviz_ui.transfer_editor.fields import Fields
 from volviz_ui.transfer_editor.fields_2d import RegionFields
 from volviz_ui.transfer_editor.help_dialog import HelpDialog
+from volviz_ui.transfer_editor.histogram_worker import HistogramWorker
 from volviz_ui.transfer_editor.joint import JointCounter
 from volviz_ui.transfer_editor.model import EditorModel
 from volviz_ui.transfer_editor.plot import TransferPlot
 from volviz_ui.transfer_editor.plot_2d import GradientPlot
 from volviz_ui.transfer_editor.preset_commands import PresetCommands
 from volviz_ui.transfer_editor.preset_popup import PresetPopup, ThumbnailProvider
+from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.focus_order import set_focus_order
 
 if TYPE_CHECKING:
     from volviz.model.store import Store
-    from volviz.model.volume import Volume
-    from volviz_ui.documents import Documents
+    from volviz.volume_data.volume import Volume
+    from volviz_ui.session.documents import Documents
 
 
 class TransferEditor(QWidget):
@@ -80,7 +80,7 @@ class TransferEditor(QWidget):
         self.setAccessibleName(self.tr("Transfer-function editor"))
         self.own_presets = own_presets if own_presets is not None else OwnPresets()
         self.model = EditorModel(store, documents, self)
-        self.counter = Counter(self)
+        self.counter = HistogramWorker(self)
         self._pending: Volume | None = None
         self.plot = TransferPlot(self.model, self.counter, self)
         self.fields = Fields(self.model, self)
@@ -345,9 +345,9 @@ class TransferEditor(QWidget):
         model, plot = self.model, self.plot
         model.function_changed.connect(self._on_function_changed)
         self.dimensions.chosen.connect(self._on_dimension_chosen)
-        plot.color_wanted.connect(self.fields.choose_color)
-        plot.fields_wanted.connect(self._on_fields_wanted)
-        plot.menu_wanted.connect(self._on_menu_wanted)
+        plot.color_requested.connect(self.fields.choose_color)
+        plot.fields_requested.connect(self._on_fields_requested)
+        plot.menu_requested.connect(self._on_menu_requested)
         plot.marker_moved.connect(self.isovalue_moved)
         plot.hovered.connect(self.value_hovered)
         self.commands.failed.connect(self.failed)
@@ -406,7 +406,7 @@ class TransferEditor(QWidget):
         HelpDialog(self).open()
 
     def show_presets(self) -> None:
-        """Open the pictures of the presets."""
+        """Open the images of the presets."""
         self.popup.open_below(self.preset_button)
 
     def showEvent(self, event: object) -> None:
@@ -446,12 +446,12 @@ class TransferEditor(QWidget):
             menu.setStyleSheet("")
             self.commands.fill_colormap_menu(menu)
 
-    def _on_fields_wanted(self) -> None:
+    def _on_fields_requested(self) -> None:
         field = self.fields.value
         field.setFocus(Qt.FocusReason.ShortcutFocusReason)
         field.selectAll()
 
-    def _on_menu_wanted(self, at: QPointF) -> None:
+    def _on_menu_requested(self, at: QPointF) -> None:
         menu = context_menu(self.plot, at)
         menu.aboutToHide.connect(menu.deleteLater)
         menu.popup(self.plot.mapToGlobal(at.toPoint()))

@@ -15,9 +15,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz.model import transfer_edits as edits
-from volviz.model.transfer_lanes import with_moved_stop
-from volviz_ui.editors.number import CalmSlider, NumberField
+from volviz.model.transfer import edits
+from volviz.model.transfer.channels import with_moved_point
+from volviz_ui.editors.number import NoWheelSlider, NumberField
 from volviz_ui.transfer_editor.painting import color_of
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class Swatch(QPushButton):
 class Fields(QWidget):
     """Value, opacity and colour of the chosen points; overall opacity of the function."""
 
-    color_wanted = Signal()
+    color_requested = Signal()
 
     def __init__(self, model: EditorModel, parent: QWidget) -> None:
         super().__init__(parent)
@@ -73,7 +73,7 @@ class Fields(QWidget):
         self.opacity.setRange(0.0, 1.0)
         self.opacity.setSingleStep(0.01)
         self.swatch = Swatch(self)
-        self.overall = CalmSlider(self)
+        self.overall = NoWheelSlider(self)
         self.overall.setRange(0, 1000)
         self.overall.setPageStep(100)
         self.overall.setSingleStep(10)
@@ -136,12 +136,16 @@ class Fields(QWidget):
         model = self._model
         function = model.function
         chosen = sorted(model.selection)
-        stop = model.stop if model.stop is not None and model.stop < len(model.lanes[0]) else None
+        color_point = (
+            model.color_point
+            if model.color_point is not None and model.color_point < len(model.channels[0])
+            else None
+        )
         self.setEnabled(function is not None)
         for field, there in (
-            (self.value, bool(chosen) or stop is not None),
+            (self.value, bool(chosen) or color_point is not None),
             (self.opacity, bool(chosen)),
-            (self.swatch, bool(chosen) or stop is not None),
+            (self.swatch, bool(chosen) or color_point is not None),
         ):
             field.setEnabled(there)
         self.value.set_unit(model.unit)
@@ -149,14 +153,14 @@ class Fields(QWidget):
             self.caption.setText("")
             return
         colors = {function.points[i].color for i in chosen}
-        if stop is not None:
+        if color_point is not None:
             self.caption.setText(
                 self.tr("Colour %1 of %2")
-                .replace("%1", str(stop + 1))
-                .replace("%2", str(len(model.lanes[0])))
+                .replace("%1", str(color_point + 1))
+                .replace("%2", str(len(model.channels[0])))
             )
-            self._show(self.value, model.lanes[0][stop].value)
-            self.swatch.set_color(color_of(model.lanes[0][stop].level))
+            self._show(self.value, model.channels[0][color_point].value)
+            self.swatch.set_color(color_of(model.channels[0][color_point].level))
         elif chosen:
             words = self.tr("Point %1 of %2") if len(chosen) == 1 else self.tr("%1 points of %2")
             first = str(chosen[0] + 1) if len(chosen) == 1 else str(len(chosen))
@@ -174,11 +178,11 @@ class Fields(QWidget):
         self.percent.setText(f"{function.opacity * 100:.0f} %")
 
     def choose_color(self) -> None:
-        """Open the colour dialog; the picture follows while it is open, Cancel takes everything back."""
+        """Open the colour dialog; the image follows while it is open, Cancel takes everything back."""
         model = self._model
         if (
             model.function is None
-            or not (model.selection or model.stop is not None)
+            or not (model.selection or model.color_point is not None)
             or self._dialog is not None
         ):
             return
@@ -204,9 +208,11 @@ class Fields(QWidget):
         model, function = self._model, self._model.function
         if function is None:
             return
-        if model.stop is not None:
-            colors, opacities = model.lanes
-            model.apply_lanes(with_moved_stop(colors, model.stop, value), opacities, self.tr("Move colour"))
+        if model.color_point is not None:
+            colors, opacities = model.channels
+            model.apply_channels(
+                with_moved_point(colors, model.color_point, value), opacities, self.tr("Move colour")
+            )
         elif model.selection:
             offset = value - function.points[min(model.selection)].value
             model.apply(edits.moved(function, model.selection, offset), self.tr("Change value"))

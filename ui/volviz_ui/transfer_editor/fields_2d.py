@@ -8,7 +8,7 @@ from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QColorDialog, QComboBox, QGridLayout, QLabel, QWidget
 
-from volviz.model.transfer_function_2d import KINDS
+from volviz.model.transfer.function_2d import KINDS
 from volviz_ui.editors.number import NumberField
 from volviz_ui.transfer_editor.fields import WIDTH, Swatch
 from volviz_ui.transfer_editor.painting import color_of
@@ -71,7 +71,7 @@ class RegionFields(QWidget):
         self.opacity.valueChanged.connect(lambda v: plot.change(self.tr("Change opacity"), opacity=v))
         self.softness.valueChanged.connect(lambda v: plot.change(self.tr("Change softness"), softness=v))
         self.swatch.clicked.connect(self.choose_color)
-        plot.color_wanted.connect(self.choose_color)
+        plot.color_requested.connect(self.choose_color)
         plot.selection_changed.connect(self.refresh)
         self.refresh()
 
@@ -93,7 +93,7 @@ class RegionFields(QWidget):
         self.swatch.set_color(color_of(region.color))
 
     def choose_color(self) -> None:
-        """Open the colour dialog; the picture follows, Cancel takes everything back."""
+        """Open the colour dialog; the image follows, Cancel takes everything back."""
         region, model = self._plot.region, self._plot.model
         if region is None or self._dialog is not None:
             return

@@ -6,8 +6,8 @@ import math
 
 from PySide6.QtCore import QPointF, QRectF
 
-from volviz.model import transfer_edits as edits
-from volviz.model.transfer_lanes import with_moved_stop
+from volviz.model.transfer import edits
+from volviz.model.transfer.channels import with_moved_point
 from volviz_ui.transfer_editor.editable_plot import EditablePlot
 
 #: Pixels that a press may wander before it is a drag.
@@ -162,21 +162,21 @@ class ShiftStretch(Gesture):
         self.plot.model.apply(function, self.label)
 
 
-class MoveStop(Gesture):
+class MoveColorPoint(Gesture):
     """Move a stop of the colour ramp; the opacities stay."""
 
     def __init__(self, plot: EditablePlot, at: QPointF, index: int) -> None:
         super().__init__(plot, at)
         self.label = plot.tr("Move colour")
         self.index = index
-        self.lanes = plot.model.lanes
-        self.grip = plot.places.x(self.lanes[0][index].value) - at.x()
+        self.channels = plot.model.channels
+        self.grip = plot.places.x(self.channels[0][index].value) - at.x()
 
     def drag(self, at: QPointF, *, restricted: bool) -> None:
         """Act on the pointer's new place."""
-        colors, opacities = self.lanes
+        colors, opacities = self.channels
         value = self.plot.places.value(at.x() + self.grip)
-        self.plot.model.apply_lanes(with_moved_stop(colors, self.index, value), opacities, self.label)
+        self.plot.model.apply_channels(with_moved_point(colors, self.index, value), opacities, self.label)
 
 
 class MoveMarker(Gesture):

@@ -10,13 +10,13 @@ from PySide6.QtCore import QPointF, QRectF
 from volviz_ui.transfer_editor.axes import OpacityAxis, ValueAxis
 
 if TYPE_CHECKING:
-    from volviz.model.transfer_function import TransferFunction
-    from volviz.model.transfer_lanes import Lane
+    from volviz.model.transfer.channels import Channel
+    from volviz.model.transfer.function import TransferFunction
 
 #: Radius of a control point, and within which distance a press takes hold of it.
 RADIUS, REACH = 5.5, 14.0
 #: Height of the colour ramp, and of the stops below it.
-RAMP, STOPS = 16.0, 14.0
+RAMP, COLOR_POINTS = 16.0, 14.0
 #: Room left of the plot for the opacities and below it for the values.
 LEFT, RIGHT, TOP, BOTTOM = 40.0, 12.0, 10.0, 18.0
 
@@ -32,7 +32,7 @@ class Hit:
 
 
 @dataclass(frozen=True)
-class Places:
+class PlotLayout:
     """Rectangles of the plot's parts and the mapping between pixels and values.
 
     Attributes
@@ -58,13 +58,13 @@ class Places:
     @property
     def ramp(self) -> QRectF:
         """The strip of colours."""
-        top = self.height - BOTTOM - STOPS - RAMP
+        top = self.height - BOTTOM - COLOR_POINTS - RAMP
         return QRectF(LEFT, top, max(self.width - LEFT - RIGHT, 10.0), RAMP)
 
     @property
-    def stops(self) -> QRectF:
+    def color_points(self) -> QRectF:
         """Where the handles of the colours lie."""
-        return QRectF(LEFT, self.ramp.bottom(), self.ramp.width(), STOPS)
+        return QRectF(LEFT, self.ramp.bottom(), self.ramp.width(), COLOR_POINTS)
 
     def x(self, value: float) -> float:
         """Pixel of a value."""
@@ -105,14 +105,14 @@ class Places:
         self,
         at: QPointF,
         function: TransferFunction | None,
-        colors: Lane,
+        colors: Channel,
         markers: tuple[float, ...],
         selection: frozenset[int] = frozenset(),
     ) -> Hit:
         """What a press at a pixel takes hold of: the nearest point within reach, a chosen one first."""
         if function is None:
             return Hit("none")
-        if self.ramp.bottom() <= at.y() <= self.stops.bottom() + 4:
+        if self.ramp.bottom() <= at.y() <= self.color_points.bottom() + 4:
             near = [
                 (abs(self.x(s.value) - at.x()), i) for i, s in enumerate(colors) if self.is_visible(s.value)
             ]

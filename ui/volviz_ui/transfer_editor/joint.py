@@ -8,18 +8,18 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal, Slot
 
 from volviz.kernels.histogram import JointHistogram, progressive_joint_histogram
-from volviz_ui.transfer_editor.counting import bins_of
-from volviz_ui.workers import Task, Workers
+from volviz_ui.session.workers import Task, Workers
+from volviz_ui.transfer_editor.histogram_worker import bins_of
 
 if TYPE_CHECKING:
-    from volviz.model.volume import Volume
+    from volviz.volume_data.volume import Volume
 
 BINS = (512, 192)
 WORK = "joint histogram"
 
 
 class JointCounter(QObject):
-    """Counts one volume at a time, when first asked; `changed` tells of each better result."""
+    """Counts one volume at a time, when first asked; `changed` reports each better result."""
 
     changed = Signal()
 

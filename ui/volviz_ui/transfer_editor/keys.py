@@ -52,12 +52,12 @@ def shortcuts(widget: QWidget) -> list[tuple[str, str]]:
 def is_ours(plot: EditablePlot, event: QKeyEvent) -> bool:
     """Whether the plot has a use for the key, so that a shortcut of the window must wait."""
     if event.key() == Key.Key_Escape:
-        chosen = bool(plot.model.selection) or plot.model.stop is not None or plot.marker >= 0
+        chosen = bool(plot.model.selection) or plot.model.color_point is not None or plot.marker >= 0
         return plot.model.in_gesture or chosen
     return _action(plot, event) is not None
 
 
-def handle_key(plot: EditablePlot, event: QKeyEvent) -> bool:
+def press_key(plot: EditablePlot, event: QKeyEvent) -> bool:
     """Do what the key stands for; False when it stands for nothing here."""
     action = _action(plot, event)
     if action is None:
@@ -96,11 +96,13 @@ def _action(plot: EditablePlot, event: QKeyEvent) -> Callable[[], object] | None
         Key.Key_PageUp: lambda: plot.select_neighbour(-1),
         Key.Key_Delete: plot.delete,
         Key.Key_Backspace: plot.delete,
-        Key.Key_Insert: lambda: _insert_colour(plot) if shift or model.stop is not None else _insert(plot),
-        Key.Key_Period: lambda: _choose_stop(plot, 1),
-        Key.Key_Comma: lambda: _choose_stop(plot, -1),
+        Key.Key_Insert: lambda: (
+            _insert_colour(plot) if shift or model.color_point is not None else _insert(plot)
+        ),
+        Key.Key_Period: lambda: _choose_color_point(plot, 1),
+        Key.Key_Comma: lambda: _choose_color_point(plot, -1),
         Key.Key_I: plot.choose_next_marker,
-        Key.Key_C: plot.color_wanted.emit,
+        Key.Key_C: plot.color_requested.emit,
         Key.Key_Home: plot.fit_data,
         Key.Key_End: plot.fit_function,
         Key.Key_Plus: lambda: plot.zoom(1.25),
@@ -110,10 +112,12 @@ def _action(plot: EditablePlot, event: QKeyEvent) -> Callable[[], object] | None
         Key.Key_BracketRight: lambda: plot.shift_stretch(0.005),
         Key.Key_BraceLeft: lambda: plot.shift_stretch(0.0, 1 / 1.05),
         Key.Key_BraceRight: lambda: plot.shift_stretch(0.0, 1.05),
-        Key.Key_Return: plot.fields_wanted.emit,
-        Key.Key_Enter: plot.fields_wanted.emit,
+        Key.Key_Return: plot.fields_requested.emit,
+        Key.Key_Enter: plot.fields_requested.emit,
     }
-    if key in (Key.Key_Return, Key.Key_Enter, Key.Key_C) and not (model.selection or model.stop is not None):
+    if key in (Key.Key_Return, Key.Key_Enter, Key.Key_C) and not (
+        model.selection or model.color_point is not None
+    ):
         return None
     return plain.get(key)
 
@@ -124,8 +128,8 @@ def _nudge(plot: EditablePlot, across: int, up: int, factor: float) -> None:
     if plot.marker >= 0:
         plot.nudge_marker(across * 2.0 * factor)
         return
-    if model.stop is not None:
-        _nudge_stop(plot, across * 2.0 * factor)
+    if model.color_point is not None:
+        _nudge_color_point(plot, across * 2.0 * factor)
         return
     if not model.selection:
         plot.select_neighbour(1 if across > 0 or up > 0 else -1)
@@ -141,37 +145,39 @@ def _nudge(plot: EditablePlot, across: int, up: int, factor: float) -> None:
     plot.reveal(point.value + value)
 
 
-def _nudge_stop(plot: EditablePlot, pixels: float) -> None:
-    from volviz.model.transfer_lanes import with_moved_stop
+def _nudge_color_point(plot: EditablePlot, pixels: float) -> None:
+    from volviz.model.transfer.channels import with_moved_point
 
-    stop = plot.model.stop
-    if pixels and stop is not None:
-        colors, opacities = plot.model.lanes
-        value = plot.places.value(plot.places.x(colors[stop].value) + pixels)
-        plot.model.apply_lanes(with_moved_stop(colors, stop, value), opacities, plot.tr("Move colour"))
+    color_point = plot.model.color_point
+    if pixels and color_point is not None:
+        colors, opacities = plot.model.channels
+        value = plot.places.value(plot.places.x(colors[color_point].value) + pixels)
+        plot.model.apply_channels(
+            with_moved_point(colors, color_point, value), opacities, plot.tr("Move colour")
+        )
 
 
-def _choose_stop(plot: EditablePlot, step: int) -> None:
+def _choose_color_point(plot: EditablePlot, step: int) -> None:
     """The next or previous colour of the ramp, brought into view."""
-    colors, stop = plot.model.lanes[0], plot.model.stop
+    colors, color_point = plot.model.channels[0], plot.model.color_point
     if colors:
         index = (
             (0 if step > 0 else len(colors) - 1)
-            if stop is None
-            else min(max(stop + step, 0), len(colors) - 1)
+            if color_point is None
+            else min(max(color_point + step, 0), len(colors) - 1)
         )
-        plot.model.select_stop(index)
+        plot.model.select_color_point(index)
         plot.reveal(colors[index].value)
 
 
 def _insert_colour(plot: EditablePlot) -> None:
     """Half way from the chosen colour to the next one, or in the middle of the window."""
-    colors, stop = plot.model.lanes[0], plot.model.stop
-    if stop is None:
-        plot.add_stop(plot.axis.value(0.5))
+    colors, color_point = plot.model.channels[0], plot.model.color_point
+    if color_point is None:
+        plot.add_color_point(plot.axis.value(0.5))
         return
-    following = colors[stop + 1].value if stop + 1 < len(colors) else plot.axis.high
-    plot.add_stop((colors[stop].value + following) / 2)
+    following = colors[color_point + 1].value if color_point + 1 < len(colors) else plot.axis.high
+    plot.add_color_point((colors[color_point].value + following) / 2)
 
 
 def _insert(plot: EditablePlot) -> None:

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 from shiboken6 import isValid
 
-from volviz.model import transfer_edits as edits
 from volviz.model.store import Store
-from volviz.model.transfer_lanes import Lane, merged, split
+from volviz.model.transfer import edits
+from volviz.model.transfer.channels import Channel, merged, split
 
 if TYPE_CHECKING:
-    from volviz.model.transfer_function import TransferFunction
-    from volviz.model.volume import Volume
-    from volviz_ui.documents import Documents
-    from volviz_ui.loaded_scene import LoadedScene
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.volume_data.volume import Volume
+    from volviz_ui.session.documents import Documents
+    from volviz_ui.session.loaded_scene import LoadedScene
 
 GESTURE = "transfer function"
 """Key of the gestures of the editor, of which one runs at a time."""
@@ -47,12 +47,12 @@ class EditorModel(QObject):
         self.store = store
         self.documents = documents
         self._selection: frozenset[int] = frozenset()
-        self._stop: int | None = None
+        self._color_point: int | None = None
         self._selection_before: frozenset[int] = frozenset()
-        self._stop_before: int | None = None
+        self._color_point_before: int | None = None
         self._writing = False
         self._shown: TransferFunction | None = None
-        self._kept_lanes: tuple[TransferFunction, tuple[Lane, Lane]] | None = None
+        self._cached_channels: tuple[TransferFunction, tuple[Channel, Channel]] | None = None
         self._read()
         documents.changed.connect(self._on_shown_changed)
 
@@ -90,18 +90,18 @@ class EditorModel(QObject):
         return self._selection
 
     @property
-    def stop(self) -> int | None:
+    def color_point(self) -> int | None:
         """Index of the chosen stop of the colour ramp."""
-        return self._stop
+        return self._color_point
 
     @property
-    def lanes(self) -> tuple[Lane, Lane]:
+    def channels(self) -> tuple[Channel, Channel]:
         """Colours and opacities of the function, each with the stops it needs."""
         if self._shown is None:
             return (), ()
-        if self._kept_lanes is None or self._kept_lanes[0] != self._shown:
-            self._kept_lanes = (self._shown, split(self._shown))
-        return self._kept_lanes[1]
+        if self._cached_channels is None or self._cached_channels[0] != self._shown:
+            self._cached_channels = (self._shown, split(self._shown))
+        return self._cached_channels[1]
 
     @property
     def in_gesture(self) -> bool:
@@ -112,14 +112,14 @@ class EditorModel(QObject):
         """Choose points, and no stop of the ramp."""
         last = 0 if self._shown is None else len(self._shown.points)
         chosen = frozenset(i for i in indices if 0 <= i < last)
-        if chosen != self._selection or self._stop is not None:
-            self._selection, self._stop = chosen, None
+        if chosen != self._selection or self._color_point is not None:
+            self._selection, self._color_point = chosen, None
             self.selection_changed.emit()
 
-    def select_stop(self, index: int | None) -> None:
+    def select_color_point(self, index: int | None) -> None:
         """Choose a stop of the colour ramp, and no points."""
-        if index != self._stop or self._selection:
-            self._selection, self._stop = frozenset(), index
+        if index != self._color_point or self._selection:
+            self._selection, self._color_point = frozenset(), index
             self.selection_changed.emit()
 
     # ------------------------------------------------------------------ changing it
@@ -131,7 +131,7 @@ class EditorModel(QObject):
     def begin(self) -> None:
         """A gesture starts: what follows until `finish` is one step of the history."""
         self.finish()
-        self._selection_before, self._stop_before = self._selection, self._stop
+        self._selection_before, self._color_point_before = self._selection, self._color_point
         self.store.begin_gesture(GESTURE)
 
     def finish(self) -> None:
@@ -147,27 +147,32 @@ class EditorModel(QObject):
             finally:
                 self._writing = False
             self._read()
-            self._selection, self._stop = self._selection_before, self._stop_before
+            self._selection, self._color_point = self._selection_before, self._color_point_before
             self.function_changed.emit()
             self.selection_changed.emit()
 
-    def apply_lanes(self, colors: Lane, opacities: Lane, label: str, stop: int | None = None) -> None:
-        """Colours and opacities put together and stored; the lanes keep stops that lie on a straight line.
+    def apply_channels(
+        self, colors: Channel, opacities: Channel, label: str, color_point: int | None = None
+    ) -> None:
+        """Colours and opacities put together and stored; the channels keep stops that lie on a straight line.
 
         Parameters
         ----------
         colors, opacities : tuple of Stop
-            The lanes.
+            The channels.
         label : str
             What happened.
-        stop : int, optional
+        color_point : int, optional
             Stop of the colours to choose; default: the one that is chosen.
         """
         if self._shown is None:
             return
         function = merged(colors, opacities, self._shown)
-        self._selection, self._stop = frozenset(), self._stop if stop is None else stop
-        self._kept_lanes = (function, (colors, opacities))
+        self._selection, self._color_point = (
+            frozenset(),
+            self._color_point if color_point is None else color_point,
+        )
+        self._cached_channels = (function, (colors, opacities))
         self._write(function, label)
         self.selection_changed.emit()
 
@@ -194,11 +199,13 @@ class EditorModel(QObject):
         """Give the chosen points, or the chosen stop of the ramp, a colour."""
         if self._shown is None:
             return
-        if self._stop is not None:
-            from volviz.model.transfer_lanes import with_level
+        if self._color_point is not None:
+            from volviz.model.transfer.channels import with_level
 
-            colors, opacities = self.lanes
-            self.apply_lanes(with_level(colors, self._stop, color), opacities, self.tr("Change colour"))
+            colors, opacities = self.channels
+            self.apply_channels(
+                with_level(colors, self._color_point, color), opacities, self.tr("Change colour")
+            )
             return
         function = self._shown
         for i in self._selection:
@@ -221,9 +228,9 @@ class EditorModel(QObject):
         # Before anybody hears of the new function, no index may point beyond it.
         wanted = self._selection if selection is None else frozenset(selection)
         chosen = frozenset(i for i in wanted if self._shown is not None and i < len(self._shown.points))
-        stop = self._stop if selection is None else None
-        new_choice = (chosen, stop) != (self._selection, self._stop)
-        self._selection, self._stop = chosen, stop
+        color_point = self._color_point if selection is None else None
+        new_choice = (chosen, color_point) != (self._selection, self._color_point)
+        self._selection, self._color_point = chosen, color_point
         if changed:
             self.function_changed.emit()
         if new_choice:
@@ -250,7 +257,7 @@ class EditorModel(QObject):
             return
         if self._shown is None or before is None or len(before.points) != len(self._shown.points):
             self._selection = frozenset()
-        if self._stop is not None and self._stop >= len(self.lanes[0]):
-            self._stop = None
+        if self._color_point is not None and self._color_point >= len(self.channels[0]):
+            self._color_point = None
         self.function_changed.emit()
         self.selection_changed.emit()

@@ -7,11 +7,11 @@ import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPainterPath, QPalette, QPen, QPolygonF
 
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.transfer_lanes import Lane
+from volviz.model.transfer.channels import Channel
+from volviz.model.transfer.function import TransferFunction
 from volviz_ui.transfer_editor.axes import value_text
-from volviz_ui.transfer_editor.counting import Counts
-from volviz_ui.transfer_editor.items import RADIUS, Places
+from volviz_ui.transfer_editor.histogram_worker import Counts
+from volviz_ui.transfer_editor.items import RADIUS, PlotLayout
 
 Role = QPalette.ColorRole
 
@@ -36,7 +36,7 @@ def color_of(rgb: tuple[float, ...]) -> QColor:
     return QColor.fromRgbF(*(min(max(float(c), 0.0), 1.0) for c in rgb[:3]))
 
 
-def paint_frame(painter: QPainter, places: Places, palette: QPalette, unit: str, font: QFont) -> None:
+def paint_frame(painter: QPainter, places: PlotLayout, palette: QPalette, unit: str, font: QFont) -> None:
     """Background, grid, ticks of both axes, and a shade over what lies outside the data."""
     plot = places.plot
     painter.fillRect(plot, palette.color(Role.Base))
@@ -57,7 +57,7 @@ def paint_frame(painter: QPainter, places: Places, palette: QPalette, unit: str,
     metrics = painter.fontMetrics()
     most = max(int(plot.width() / 86), 2)
     span = places.axis.high - places.axis.low
-    base = places.stops.bottom() + 1
+    base = places.color_points.bottom() + 1
     unit = metrics.elidedText(unit, Qt.TextElideMode.ElideRight, int(0.25 * plot.width()))
     unit_width = metrics.horizontalAdvance(unit) + 8 if unit else 0
     if unit:
@@ -81,7 +81,7 @@ def paint_frame(painter: QPainter, places: Places, palette: QPalette, unit: str,
     _shade_outside(painter, places, palette)
 
 
-def _shade_outside(painter: QPainter, places: Places, palette: QPalette) -> None:
+def _shade_outside(painter: QPainter, places: PlotLayout, palette: QPalette) -> None:
     plot = places.plot
     shade = with_alpha(palette.color(Role.Mid), 0.35)
     low, high = places.x(places.axis.data_low), places.x(places.axis.data_high)
@@ -96,7 +96,7 @@ def _shade_outside(painter: QPainter, places: Places, palette: QPalette) -> None
         )
 
 
-def histogram_path(places: Places, counts: Counts, logarithmic: bool) -> QPainterPath:
+def histogram_path(places: PlotLayout, counts: Counts, logarithmic: bool) -> QPainterPath:
     """Outline of the histogram over the window, one column a pixel.
 
     With linear counts the tallest hundredth of the columns is cut off: a peak of air would flatten the rest.
@@ -125,17 +125,17 @@ def histogram_path(places: Places, counts: Counts, logarithmic: bool) -> QPainte
     return path
 
 
-def strip_image(places: Places, function: TransferFunction, columns: int) -> QImage:
+def strip_image(places: PlotLayout, function: TransferFunction, columns: int) -> QImage:
     """The opaque colours of the function over the window, one row of pixels."""
     values = places.axis.values((np.arange(columns) + 0.5) / columns)
     rgb = np.rint(function.evaluate(values)[:, :3] * 255.0).astype(np.uint8)
     pixels = np.full((1, columns, 4), 255, np.uint8)
     pixels[0, :, :3] = rgb
-    image = QImage(pixels.tobytes(), columns, 1, 4 * columns, QImage.Format.Format_RGBA8888)
-    return image.copy()
+    qimage = QImage(pixels.tobytes(), columns, 1, 4 * columns, QImage.Format.Format_RGBA8888)
+    return qimage.copy()
 
 
-def curve_polygon(places: Places, function: TransferFunction, factor: float = 1.0) -> QPolygonF:
+def curve_polygon(places: PlotLayout, function: TransferFunction, factor: float = 1.0) -> QPolygonF:
     """The opacity curve over the window; sampled, since straight lines bend on a fine opacity axis."""
     plot = places.plot
     samples = places.axis.values(np.arange(0.0, plot.width() + 1.0, 2.5) / plot.width())
@@ -150,7 +150,7 @@ def curve_polygon(places: Places, function: TransferFunction, factor: float = 1.
     return QPolygonF([QPointF(a, b) for a, b in zip(x.tolist(), y.tolist(), strict=True)])
 
 
-def paint_area(painter: QPainter, places: Places, curve: QPolygonF, strip: QImage) -> None:
+def paint_area(painter: QPainter, places: PlotLayout, curve: QPolygonF, strip: QImage) -> None:
     """The area under the curve in the colours of the function."""
     plot = places.plot
     area = QPainterPath()
@@ -167,7 +167,7 @@ def paint_area(painter: QPainter, places: Places, curve: QPolygonF, strip: QImag
 
 
 def paint_curve(
-    painter: QPainter, places: Places, curve: QPolygonF, palette: QPalette, *, dashed: bool
+    painter: QPainter, places: PlotLayout, curve: QPolygonF, palette: QPalette, *, dashed: bool
 ) -> None:
     """The line of the curve."""
     color = palette.color(Role.Text)
@@ -184,7 +184,7 @@ def paint_curve(
 
 def paint_points(
     painter: QPainter,
-    places: Places,
+    places: PlotLayout,
     function: TransferFunction,
     selection: frozenset[int],
     hovered: int,
@@ -218,9 +218,9 @@ def paint_points(
 
 def paint_ramp(
     painter: QPainter,
-    places: Places,
+    places: PlotLayout,
     strip: QImage,
-    colors: Lane,
+    colors: Channel,
     chosen: int | None,
     hovered: int,
     palette: QPalette,
@@ -238,22 +238,22 @@ def paint_ramp(
     painter.drawPath(path)
     accent, text = palette.color(Role.Highlight), palette.color(Role.Text)
     top = ramp.bottom() + 1.0
-    for i, stop in enumerate(colors):
-        if not places.is_visible(stop.value):
+    for i, color_point in enumerate(colors):
+        if not places.is_visible(color_point.value):
             continue
-        x = places.x(stop.value)
+        x = places.x(color_point.value)
         handle = QPolygonF(
             [QPointF(x, top), QPointF(x + 5, top + 5), QPointF(x + 5, top + 12), QPointF(x - 5, top + 12),
              QPointF(x - 5, top + 5)]
         )  # fmt: skip
         wide = 2.2 if i in (chosen, hovered) else 1.2
         painter.setPen(QPen(accent if i == chosen else with_alpha(text, 0.8), wide))
-        painter.setBrush(color_of(stop.level))
+        painter.setBrush(color_of(color_point.level))
         painter.drawPolygon(handle)
 
 
 def paint_edges(
-    painter: QPainter, places: Places, function: TransferFunction, palette: QPalette, font: QFont
+    painter: QPainter, places: PlotLayout, function: TransferFunction, palette: QPalette, font: QFont
 ) -> None:
     """Markers that tell how many points lie outside the window."""
     left, right = places.outside(function)
@@ -272,7 +272,7 @@ def paint_edges(
 
 def paint_markers(
     painter: QPainter,
-    places: Places,
+    places: PlotLayout,
     markers: tuple[float, ...],
     colors: tuple[tuple[float, float, float], ...],
     palette: QPalette,
@@ -297,7 +297,7 @@ def paint_markers(
         painter.drawPolygon(grip)
 
 
-def paint_highlight(painter: QPainter, places: Places, value: float, palette: QPalette) -> None:
+def paint_highlight(painter: QPainter, places: PlotLayout, value: float, palette: QPalette) -> None:
     """A value that something else points at, the ray inspector say."""
     if places.is_visible(value):
         pen = QPen(palette.color(Role.Highlight), 1.4)
@@ -307,7 +307,7 @@ def paint_highlight(painter: QPainter, places: Places, value: float, palette: QP
         painter.drawLine(QPointF(x, places.plot.top()), QPointF(x, places.ramp.bottom()))
 
 
-def paint_note(painter: QPainter, places: Places, text: str, palette: QPalette, font: QFont) -> None:
+def paint_note(painter: QPainter, places: PlotLayout, text: str, palette: QPalette, font: QFont) -> None:
     """A line of words at the top right of the plot, on a faint ground."""
     if not text:
         return
@@ -324,7 +324,7 @@ def paint_note(painter: QPainter, places: Places, text: str, palette: QPalette, 
 def thumbnail(
     function: TransferFunction, data_range: tuple[float, float], width: int, height: int, ratio: float
 ) -> QImage:
-    """A small picture of a function: its colours under its opacity curve, on black."""
+    """A small image of a function: its colours under its opacity curve, on black."""
     columns, rows = round(width * ratio), round(height * ratio)
     low, high = data_range
     shown = function.visible_range(data_range)
@@ -336,9 +336,9 @@ def thumbnail(
     level: npt.NDArray[np.float64] = (np.arange(rows)[::-1, None] + 0.5) / rows
     # two rows of softness at the edge of the curve
     inside = np.clip((heights[None] - level) * rows / 2 + 0.5, 0.0, 1.0)[..., None]
-    picture = 0.055 + inside * (rgba[None, :, :3] * 0.95)
+    image = 0.055 + inside * (rgba[None, :, :3] * 0.95)
     pixels = np.full((rows, columns, 4), 255, np.uint8)
-    pixels[..., :3] = np.rint(np.clip(picture, 0, 1) * 255)
-    image = QImage(pixels.tobytes(), columns, rows, 4 * columns, QImage.Format.Format_RGBA8888).copy()
-    image.setDevicePixelRatio(ratio)
-    return image
+    pixels[..., :3] = np.rint(np.clip(image, 0, 1) * 255)
+    qimage = QImage(pixels.tobytes(), columns, rows, 4 * columns, QImage.Format.Format_RGBA8888).copy()
+    qimage.setDevicePixelRatio(ratio)
+    return qimage

@@ -1,4 +1,4 @@
-"""The plane of value and gradient magnitude as a picture: histogram, axes, regions."""
+"""The plane of value and gradient magnitude as an image: histogram, axes, regions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from volviz.model.transfer_function_2d import Region, TransferFunction2D
+from volviz.model.transfer.function_2d import Region, TransferFunction2D
 from volviz_ui.transfer_editor import painting
 from volviz_ui.transfer_editor.axes import ValueAxis, round_values, value_text
 from volviz_ui.transfer_editor.items import BOTTOM, RIGHT, TOP
@@ -42,7 +42,7 @@ class PlaneView(QWidget):
         self.axis = ValueAxis.of_range(*model.data_range)
         self.top = 1.0
         self.selected: int | None = None
-        self._picture: QImage | None = None
+        self._image: QImage | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(240, 120)
         self.setAccessibleName(self.tr("Transfer function over value and gradient"))
@@ -106,9 +106,9 @@ class PlaneView(QWidget):
         palette, plot = self.palette(), self.plot
         painter.fillRect(plot, palette.color(QPalette.ColorRole.Base))
         if self.counter.histogram is not None:
-            if self._picture is None:
-                self._picture = self._histogram_picture()
-            painter.drawImage(plot, self._picture)
+            if self._image is None:
+                self._image = self._histogram_image()
+            painter.drawImage(plot, self._image)
         self._paint_axes(painter, palette)
         painter.save()
         painter.setClipRect(plot)
@@ -125,7 +125,7 @@ class PlaneView(QWidget):
             painter.setPen(palette.color(QPalette.ColorRole.Text))
             painter.drawText(plot, Qt.AlignmentFlag.AlignCenter, words)
 
-    def _histogram_picture(self) -> QImage:
+    def _histogram_image(self) -> QImage:
         """Counts on a logarithmic scale as a veil of the text's colour, over the visible part of the plane."""
         histogram = self.counter.histogram
         assert histogram is not None
@@ -211,21 +211,21 @@ class PlaneView(QWidget):
     # ------------------------------------------------------------------ changes from outside
 
     def resizeEvent(self, _event: QEvent) -> None:
-        """The picture fits the old size only."""
-        self._picture = None
+        """The image fits the old size only."""
+        self._image = None
 
     def changeEvent(self, event: QEvent) -> None:
         """Another palette is drawn at once."""
-        self._picture = None
+        self._image = None
         self.update()
         super().changeEvent(event)
 
     def _on_range_changed(self) -> None:
         self.axis = ValueAxis.of_range(*self.model.data_range)
-        self._picture = None
+        self._image = None
         self.update()
 
     def _on_counted(self) -> None:
         self.top = self.counter.gradient_top
-        self._picture = None
+        self._image = None
         self.update()

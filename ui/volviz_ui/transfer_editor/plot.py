@@ -18,20 +18,20 @@ from PySide6.QtGui import (
 from volviz_ui.transfer_editor.editable_plot import EditablePlot
 from volviz_ui.transfer_editor.gestures import (
     Gesture,
+    MoveColorPoint,
     MoveMarker,
     MovePoints,
-    MoveStop,
     Pan,
     RubberBand,
     ShiftStretch,
 )
 from volviz_ui.transfer_editor.items import Hit
-from volviz_ui.transfer_editor.keys import HELD, handle_key, is_ours
+from volviz_ui.transfer_editor.keys import HELD, is_ours, press_key
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
-    from volviz_ui.transfer_editor.counting import Counter
+    from volviz_ui.transfer_editor.histogram_worker import HistogramWorker
     from volviz_ui.transfer_editor.model import EditorModel
 
 #: Factor of one notch of the wheel.
@@ -45,17 +45,17 @@ class TransferPlot(EditablePlot):
     ----------
     model : EditorModel
         What is shown and edited.
-    counter : Counter
+    counter : HistogramWorker
         Source of the histogram.
     parent : QWidget
         Owner.
     """
 
-    menu_wanted = Signal(QPointF)
+    menu_requested = Signal(QPointF)
     hovered = Signal(object)
     """Value under the pointer, None when it has left."""
 
-    def __init__(self, model: EditorModel, counter: Counter, parent: QWidget) -> None:
+    def __init__(self, model: EditorModel, counter: HistogramWorker, parent: QWidget) -> None:
         super().__init__(model, counter, parent)
         self._gesture: Gesture | None = None
         self.setMouseTracking(True)
@@ -98,8 +98,8 @@ class TransferPlot(EditablePlot):
                 model.select({hit.index})
             return MovePoints(self, at, hit.index)
         if hit.part == "stop":
-            model.select_stop(hit.index)
-            return MoveStop(self, at, hit.index)
+            model.select_color_point(hit.index)
+            return MoveColorPoint(self, at, hit.index)
         if hit.part == "marker":
             return MoveMarker(self, at, hit.index)
         if hit.part == "edge":
@@ -137,10 +137,10 @@ class TransferPlot(EditablePlot):
             if hit.part == "point":
                 self.model.select({hit.index})
             else:
-                self.model.select_stop(hit.index)
-            self.color_wanted.emit()
+                self.model.select_color_point(hit.index)
+            self.color_requested.emit()
         elif hit.part == "ramp":
-            self.add_stop(self.places.value(at.x()))
+            self.add_color_point(self.places.value(at.x()))
         elif hit.part == "plot":
             self.add_point(at)
 
@@ -173,10 +173,10 @@ class TransferPlot(EditablePlot):
             if hit.part == "point" and hit.index not in self.model.selection:
                 self.model.select({hit.index})
             elif hit.part == "stop":
-                self.model.select_stop(hit.index)
+                self.model.select_color_point(hit.index)
         else:
             at = self.places.plot.center()
-        self.menu_wanted.emit(at)
+        self.menu_requested.emit(at)
 
     # ------------------------------------------------------------------ keyboard
 
@@ -205,7 +205,7 @@ class TransferPlot(EditablePlot):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Everything the mouse can do."""
         escapes = event.key() == Qt.Key.Key_Escape
-        if not (self.escape() if escapes else handle_key(self, event)):
+        if not (self.escape() if escapes else press_key(self, event)):
             super().keyPressEvent(event)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
@@ -235,7 +235,7 @@ class TransferPlot(EditablePlot):
         if self.model.in_gesture:
             self.model.cancel()
             return True
-        if self.model.selection or self.model.stop is not None or self.marker >= 0:
+        if self.model.selection or self.model.color_point is not None or self.marker >= 0:
             self.marker = -1
             self.model.select(())
             self.update()
@@ -244,7 +244,7 @@ class TransferPlot(EditablePlot):
 
     def _hit(self, at: QPointF) -> Hit:
         return self.places.hit(
-            at, self.model.function, self.model.lanes[0], self.markers, self.model.selection
+            at, self.model.function, self.model.channels[0], self.markers, self.model.selection
         )
 
     def _look(self, at: QPointF) -> None:

@@ -9,8 +9,8 @@ from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QMenu
 
-from volviz.model.auto_transfer_2d import auto_regions
-from volviz.model.transfer_function_2d import KINDS, Kind, Region, TransferFunction2D
+from volviz.model.transfer.automatic_2d import auto_regions
+from volviz.model.transfer.function_2d import KINDS, Kind, Region, TransferFunction2D
 from volviz_ui.transfer_editor.gestures import SLACK
 from volviz_ui.transfer_editor.items import REACH
 from volviz_ui.transfer_editor.plane_view import PlaneView
@@ -38,7 +38,7 @@ class GradientPlot(PlaneView):
     """
 
     selection_changed = Signal()
-    color_wanted = Signal()
+    color_requested = Signal()
 
     def __init__(self, model: EditorModel, counter: JointCounter, parent: QWidget) -> None:
         super().__init__(model, counter, parent)
@@ -184,7 +184,7 @@ class GradientPlot(PlaneView):
             self.add("rectangle", event.position())
         else:
             self.select(hit[0])
-            self.color_wanted.emit()
+            self.color_requested.emit()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom the values about the pointer; with Ctrl the gradients; with Shift pan."""
@@ -199,7 +199,7 @@ class GradientPlot(PlaneView):
         else:
             at = min(max((event.position().x() - self.plot.left()) / self.plot.width(), 0.0), 1.0)
             self.axis = self.axis.zoomed(1.25**notches, at)
-        self._picture = None
+        self._image = None
         self.update()
         event.accept()
 
@@ -262,7 +262,7 @@ class GradientPlot(PlaneView):
         elif key == Qt.Key.Key_Insert and self.model.function is not None:
             self.add("rectangle")
         elif key == Qt.Key.Key_C and self.region is not None:
-            self.color_wanted.emit()
+            self.color_requested.emit()
         elif key == Qt.Key.Key_Escape and (self._drag is not None or self.selected is not None):
             self._escape()
         else:

@@ -1,4 +1,4 @@
-"""The plot as a picture: which window of values it shows, and how it is painted."""
+"""The plot as an image: which window of values it shows, and how it is painted."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from volviz_ui.theme import is_palette_change
+from volviz_ui.style.theme import is_palette_change
 from volviz_ui.transfer_editor import painting
 from volviz_ui.transfer_editor.axes import OpacityAxis, ValueAxis, value_text
-from volviz_ui.transfer_editor.items import Hit, Places
+from volviz_ui.transfer_editor.items import Hit, PlotLayout
 
 if TYPE_CHECKING:
-    from volviz_ui.transfer_editor.counting import Counter
+    from volviz_ui.transfer_editor.histogram_worker import HistogramWorker
     from volviz_ui.transfer_editor.model import EditorModel
 
 
@@ -37,7 +37,7 @@ class PlotView(QWidget):
     ----------
     model : EditorModel
         What is shown.
-    counter : Counter
+    counter : HistogramWorker
         Source of the histogram.
     parent : QWidget
         Owner.
@@ -45,7 +45,7 @@ class PlotView(QWidget):
 
     axis_changed = Signal()
 
-    def __init__(self, model: EditorModel, counter: Counter, parent: QWidget) -> None:
+    def __init__(self, model: EditorModel, counter: HistogramWorker, parent: QWidget) -> None:
         super().__init__(parent)
         self.model = model
         self.counter = counter
@@ -85,9 +85,9 @@ class PlotView(QWidget):
     # ------------------------------------------------------------------ what is shown
 
     @property
-    def places(self) -> Places:
+    def places(self) -> PlotLayout:
         """Where everything lies now."""
-        return Places(self.width(), self.height(), self.axis, self.opacities)
+        return PlotLayout(self.width(), self.height(), self.axis, self.opacities)
 
     def set_axis(self, axis: ValueAxis) -> None:
         """Show another window of values."""
@@ -181,7 +181,7 @@ class PlotView(QWidget):
             palette, focused=self.hasFocus(),
         )  # fmt: skip
         painting.paint_ramp(
-            painter, places, self._strip, self.model.lanes[0], self.model.stop,
+            painter, places, self._strip, self.model.channels[0], self.model.color_point,
             under.index if under.part == "stop" else -1, palette,
         )  # fmt: skip
         painting.paint_edges(painter, places, function, palette, self.font())
@@ -210,7 +210,7 @@ class PlotView(QWidget):
         words.append(self.tr("opacity %1").replace("%1", f"{opacity:.3g}"))
         return "  ·  ".join(words)
 
-    def _drawn_ground(self, places: Places) -> QPixmap:
+    def _drawn_ground(self, places: PlotLayout) -> QPixmap:
         """Axes and histogram: kept while a point is dragged, since lines of text and counts take their time."""
         ratio = self.devicePixelRatioF()
         if self._ground is None or self._ground.devicePixelRatio() != ratio:
@@ -224,7 +224,7 @@ class PlotView(QWidget):
             painter.end()
         return self._ground
 
-    def _paint_histogram(self, painter: QPainter, places: Places, palette: QPalette) -> None:
+    def _paint_histogram(self, painter: QPainter, places: PlotLayout, palette: QPalette) -> None:
         counts = self.counter.counts
         if counts is None:
             return
@@ -238,7 +238,7 @@ class PlotView(QWidget):
         painter.drawPath(self._histogram)
         painter.restore()
 
-    def _paint_border(self, painter: QPainter, places: Places, palette: QPalette) -> None:
+    def _paint_border(self, painter: QPainter, places: PlotLayout, palette: QPalette) -> None:
         focused = self.hasFocus()
         color = palette.color(QPalette.ColorRole.Highlight if focused else QPalette.ColorRole.Mid)
         painter.setPen(QPen(color, 1.4 if focused else 1.0))
@@ -272,7 +272,7 @@ class PlotView(QWidget):
         self._forget()
 
     def _on_selection_changed(self) -> None:
-        if self.model.selection or self.model.stop is not None:
+        if self.model.selection or self.model.color_point is not None:
             self.marker = -1
         self._describe()
         self.update()
@@ -307,12 +307,12 @@ class PlotView(QWidget):
     def _describe(self) -> None:
         """Tell a screen reader what is chosen."""
         function, chosen = self.model.function, sorted(self.model.selection)
-        stop, colors = self.model.stop, self.model.lanes[0]
-        if function is not None and stop is not None and stop < len(colors):
-            words = self.tr("Colour %1 of %2: value %3").replace("%1", str(stop + 1))
+        color_point, colors = self.model.color_point, self.model.channels[0]
+        if function is not None and color_point is not None and color_point < len(colors):
+            words = self.tr("Colour %1 of %2: value %3").replace("%1", str(color_point + 1))
             words = words.replace("%2", str(len(colors)))
             self.setAccessibleDescription(
-                words.replace("%3", f"{colors[stop].value:.6g} {self.model.unit}".strip())
+                words.replace("%3", f"{colors[color_point].value:.6g} {self.model.unit}".strip())
             )
             return
         if function is None or not chosen:

@@ -24,13 +24,13 @@ from PySide6.QtWidgets import (
 )
 
 from volviz.errors import VolvizError
-from volviz.model.presets import Preset, preset_for
-from volviz.model.tf_formats import colormap_colors, read_preset_file, write_transfer_function
-from volviz.model.transfer_lanes import simplified, with_ramp
+from volviz.model.transfer.channels import simplified, with_ramp
+from volviz.model.transfer.formats import colormap_colors, read_preset_file, write_transfer_function
+from volviz.model.transfer.presets import Preset, preset_for
 
 if TYPE_CHECKING:
-    from volviz.model.own_presets import OwnPresets
     from volviz.model.scene import Scene
+    from volviz.model.transfer.own_presets import OwnPresets
     from volviz_ui.transfer_editor.model import EditorModel
 
 #: Colour maps offered by name: perceptually uniform ones first.
@@ -40,7 +40,7 @@ COLORMAPS = (
     "gray", "bone", "matlab:copper", "hot", "matplotlib:coolwarm", "turbo", "jet",
 )  # fmt: skip
 
-#: Pixels of a colour map's picture in the menu.
+#: Pixels of a colour map's image in the menu.
 ICON = 32
 
 
@@ -241,7 +241,7 @@ class PresetCommands(QObject):
             self._model.apply(simplified(self._model.function, 1.5 / 255), self.tr("Simplify"), ())
 
     def fill_colormap_menu(self, menu: QMenu) -> None:
-        """Entries with a picture of each colour map."""
+        """Entries with an image of each colour map."""
         for name in COLORMAPS:
             action = menu.addAction(name)
             action.triggered.connect(lambda _checked=False, name=name: self.apply_colormap(name))

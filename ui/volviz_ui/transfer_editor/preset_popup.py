@@ -1,4 +1,4 @@
-"""The presets as pictures, in a window that opens below its button."""
+"""The presets as images, in a window that opens below its button."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from PySide6.QtCore import QEvent, QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QIcon, QImage, QKeyEvent, QPixmap
 from PySide6.QtWidgets import QFrame, QLabel, QListView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from volviz.model.presets import Preset, preset_for, presets
+from volviz.model.transfer.presets import Preset, preset_for, presets
 from volviz_ui.transfer_editor.painting import thumbnail
 
 if TYPE_CHECKING:
-    from volviz.model.own_presets import OwnPresets
-    from volviz.model.transfer_function import TransferFunction
-    from volviz.model.volume import Volume
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.model.transfer.own_presets import OwnPresets
+    from volviz.volume_data.volume import Volume
 
-#: Renders a preset on the user's volume when the program is idle and hands the picture over; the function is the
+#: Renders a preset on the user's volume when the program is idle and hands the image over; the function is the
 #: preset's in the units of the volume.
 ThumbnailProvider = Callable[[Preset, "TransferFunction", Callable[[QImage], None]], None]
 
@@ -26,7 +26,7 @@ _PRESET = Qt.ItemDataRole.UserRole
 
 
 class PresetList(QListWidget):
-    """Presets as a grid of pictures with their names."""
+    """Presets as a grid of images with their names."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -74,7 +74,7 @@ class PresetPopup(QFrame):
         self.provider: ThumbnailProvider | None = None
         self._own_presets = own
         self._volume: Volume | None = None
-        self._pictures: dict[tuple[object, ...], QImage] = {}
+        self._images: dict[tuple[object, ...], QImage] = {}
         self._waiting: list[QListWidgetItem] = []
         self._round = 0
         self.own_caption = QLabel(self.tr("Own presets"), self)
@@ -97,13 +97,13 @@ class PresetPopup(QFrame):
         self._idle = QTimer(self)
         self._idle.setSingleShot(True)
         self._idle.setInterval(0)
-        self._idle.timeout.connect(self._next_picture)
+        self._idle.timeout.connect(self._next_image)
 
     def set_volume(self, volume: Volume | None) -> None:
         """The volume on which thumbnails are shown."""
         if volume is not self._volume:
             self._volume = volume
-            self._pictures.clear()
+            self._images.clear()
 
     def open_below(self, button: QWidget) -> None:
         """Fill the lists and show them at a button: below it, or above where there is no room."""
@@ -126,14 +126,14 @@ class PresetPopup(QFrame):
         self.list.setFocus()
 
     def fill(self) -> None:
-        """Read the presets again and begin to draw their pictures."""
+        """Read the presets again and begin to draw their images."""
         self._round += 1
         self._waiting = []
         for each, found in ((self.own_list, self._own_presets.all()), (self.list, presets())):
             each.clear()
             for preset in found.values():
                 item = each.add(preset)
-                self._show_picture(item, preset)
+                self._show_image(item, preset)
         has_own = self.own_list.count() > 0
         self.own_caption.setVisible(has_own)
         self.own_list.setVisible(has_own)
@@ -143,7 +143,7 @@ class PresetPopup(QFrame):
             self._idle.start()
 
     def hideEvent(self, event: QEvent) -> None:
-        """Closed: nobody waits for pictures any more."""
+        """Closed: nobody waits for images any more."""
         self._idle.stop()
         super().hideEvent(event)  # type: ignore[arg-type]
 
@@ -180,18 +180,18 @@ class PresetPopup(QFrame):
         """The preset's function in the units of the volume."""
         return preset.transfer_function if self._volume is None else preset_for(preset, self._volume)
 
-    def _show_picture(self, item: QListWidgetItem, preset: Preset) -> None:
+    def _show_image(self, item: QListWidgetItem, preset: Preset) -> None:
         function = self.function_of(preset)
-        picture = self._pictures.get(_key(preset, function))
-        if picture is None:
+        image = self._images.get(_key(preset, function))
+        if image is None:
             data_range = (0.0, 1.0) if self._volume is None else self._volume.range
             if self._volume is None and function.domain == "data":
                 data_range = (function.points[0].value, function.points[-1].value)
-            picture = thumbnail(function, data_range, WIDTH, HEIGHT, self.devicePixelRatioF())
+            image = thumbnail(function, data_range, WIDTH, HEIGHT, self.devicePixelRatioF())
             self._waiting.append(item)
-        item.setIcon(_untinted(picture))
+        item.setIcon(_untinted(image))
 
-    def _next_picture(self) -> None:
+    def _next_image(self) -> None:
         if not self._waiting or self.provider is None or not self.isVisible():
             return
         item = self._waiting.pop(0)
@@ -200,7 +200,7 @@ class PresetPopup(QFrame):
         key, current = _key(preset, function), self._round
 
         def deliver(image: QImage) -> None:
-            self._pictures[key] = image
+            self._images[key] = image
             # The lists may have been filled anew meanwhile; the old items are gone then.
             if current == self._round and not image.isNull():
                 item.setIcon(_untinted(image))
@@ -216,7 +216,7 @@ class PresetPopup(QFrame):
 
 
 def _key(preset: Preset, function: TransferFunction) -> tuple[object, ...]:
-    """What decides how the picture of a preset looks."""
+    """What decides how the image of a preset looks."""
     settings = tuple(sorted((name, repr(value)) for name, value in (preset.settings or {}).items()))
     return function.points, function.opacity, function.by_gradient, preset.technique, settings
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from volviz.model.camera import Camera
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 Vector = tuple[float, float, float]
 
@@ -81,7 +81,7 @@ def light_moved(position: Vector, center: Vector, factor: float, radius: float) 
 
 
 def frame(camera: Camera) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors to the right and up in the picture."""
+    """Unit vectors to the right and up in the image."""
     direction = np.asarray(camera.direction)
     right = np.cross(direction, camera.view_up)
     right /= np.linalg.norm(right)

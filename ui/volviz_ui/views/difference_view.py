@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
 from volviz.model.comparison import Comparison
-from volviz_ui.views.difference_picture import (
+from volviz_ui.views.difference_image import (
     Bytes,
     array_of,
     bar_colors,
@@ -60,20 +60,20 @@ class DifferenceView(QWidget):
         self._timer.start()
 
     def set_complete(self, first: Bytes, second: Bytes) -> None:
-        """Both pictures are complete: as they would be exported, without what stands around the volume."""
+        """Both images are complete: as they would be exported, without what stands around the volume."""
         self._sides = [first, second]
         self._exact = True
         self._similarity = None
         self._compose()
 
-    def set_similarity(self, picture: Bytes) -> None:
-        """The map of structural similarity of the complete pictures, shape (H, W, 3)."""
-        self._similarity = picture
+    def set_similarity(self, image: Bytes) -> None:
+        """The map of structural similarity of the complete images, shape (H, W, 3)."""
+        self._similarity = image
         if self._exact and self.comparison.map == "ssim":
             self._compose()
 
     def clear(self) -> None:
-        """Forget the pictures: other views are compared, or none."""
+        """Forget the images: other views are compared, or none."""
         self._timer.stop()
         self._sides = [None, None]
         self._image = self._similarity = None
@@ -81,7 +81,7 @@ class DifferenceView(QWidget):
 
     @property
     def is_exact(self) -> bool:
-        """Whether the complete pictures are subtracted, not those of a drag."""
+        """Whether the complete images are subtracted, not those of a drag."""
         return self._exact and self._image is not None
 
     @property
@@ -96,7 +96,7 @@ class DifferenceView(QWidget):
         if first is None or second is None or first.shape != second.shape:
             return  # one of them has still its former size
         if self.comparison.map == "ssim":
-            picture = self._similarity if self._similarity is not None else quick_similarity(first, second)
+            image = self._similarity if self._similarity is not None else quick_similarity(first, second)
         else:
             values = differences(first, second, self.comparison.channel)
             if self.comparison.limit is not None:
@@ -104,8 +104,8 @@ class DifferenceView(QWidget):
             elif self._exact:
                 # while something moves the colours keep their meaning
                 self.limit = largest(values)
-            picture = coloured(values, self.comparison.map, self.limit)
-        self._image = image_of(picture, self.devicePixelRatioF())
+            image = coloured(values, self.comparison.map, self.limit)
+        self._image = image_of(image, self.devicePixelRatioF())
         self.update()
         self.shown.emit()
 

@@ -1,4 +1,4 @@
-"""The line between the two pictures of a wipe, to be dragged."""
+"""The line between the two images of a wipe, to be dragged."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ KEY_STEP = 0.01
 
 
 class Divider(QWidget):
-    """A vertical line with a grip, over the pictures."""
+    """A vertical line with a grip, over the images."""
 
     moved = Signal(float)
     """Where it is wanted, as a fraction of the width of the pictures."""
@@ -31,7 +31,7 @@ class Divider(QWidget):
         self.setAccessibleName(self.tr("Divider of the wipe"))
 
     def place(self, left: int, top: int, width: int, height: int, share: float) -> None:
-        """Lie over pictures of that place, at a fraction of their width."""
+        """Lie over images of that place, at a fraction of their width."""
         self._share = share
         self.setGeometry(left + round(share * width) - WIDTH // 2, top, WIDTH, height)
         self.raise_()

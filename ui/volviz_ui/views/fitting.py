@@ -36,7 +36,7 @@ def fitted(camera: Camera, points: npt.NDArray[np.float64], before: float, after
     Parameters
     ----------
     before, after : float
-        Width divided by height of the picture.
+        Width divided by height of the image.
     """
     if max(reach(camera, points, before)) > 1:
         return camera

@@ -1,4 +1,4 @@
-"""The line above a view: A or B, which technique draws it, how far its picture is, how long that took."""
+"""The line above a view: A or B, which technique draws it, how far its image is, how long that took."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class ViewHeader(QWidget):
             self.update()
 
     def show_status(self, status: Any) -> None:
-        """Say how far the picture is and how long it took."""
+        """Say how far the image is and how long it took."""
         if status.complete and status.resolution >= 1:
             words = self.tr("full quality")
         elif 0 < status.progress < 1:

@@ -1,4 +1,4 @@
-"""The cross that the ray inspector draws over the picture, at the pixel that is inspected."""
+"""The cross that the ray inspector draws over the image, at the pixel that is inspected."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BRIGHT, DARK = (1.0, 0.83, 0.25), (0.05, 0.06, 0.08)
 
 
 class RayMark:
-    """A cross with a dark rim, so that it stands out on any picture."""
+    """A cross with a dark rim, so that it stands out on any image."""
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport

@@ -12,8 +12,8 @@ from volviz.custom_gl.scene_techniques import current_technique
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.view_edits import with_side
-from volviz_ui.binding import show_value
-from volviz_ui.editors.simple import CalmComboBox
+from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.widgets.binding import show_value
 
 LETTERS = ("A", "B")
 BADGE = 22
@@ -125,7 +125,7 @@ class SideBadge(QToolButton):
         painter.end()
 
 
-class SideBox(CalmComboBox):
+class SideBox(NoWheelComboBox):
     """The list that says and chooses which view is A (side 0) or B (1)."""
 
     def __init__(self, store: Store, side: int, parent: QWidget) -> None:

@@ -16,7 +16,7 @@ from volviz.model.store import Store
 from volviz_ui.views.camera_moves import WHEEL_STEP, panned, rotated, zoomed
 
 if TYPE_CHECKING:
-    from volviz.custom_gl.host.scene_handles import SceneHandles
+    from volviz.custom_gl.vtk.manipulators import Manipulators
 
 WHEEL_REST_MS = 250
 """A turn of the wheel is over when this long nothing more has come."""
@@ -54,7 +54,7 @@ class Viewport(QtInteractor):
     """A button has gone down in the picture."""
     light_dragged = Signal(float, float)
     """Pixels right and down since the last time."""
-    handle_dragged = Signal(object)
+    manipulator_dragged = Signal(object)
     """What has become of light or settings, by name."""
     light_wheeled = Signal(float)
     """Factor by which the light comes nearer."""
@@ -72,7 +72,7 @@ class Viewport(QtInteractor):
     unseen_drawn = Signal(QImage)
     """The picture of a viewport that is covered, each time that it was drawn."""
 
-    # PyVista asks for pictures while it is being made
+    # PyVista asks for images while it is being made
     _covered = False
 
     def __init__(self, store: Store, view: int, parent: QWidget | None = None) -> None:
@@ -84,7 +84,7 @@ class Viewport(QtInteractor):
         self.light_is_movable = False
         self.linked: list[Viewport] = [self]
         self._own_camera = self.renderer.camera
-        self.handles: SceneHandles | None = None
+        self.manipulators: Manipulators | None = None
         self.frames = 0
         self.awaits_frame = False
         self._drag: Drag | None = None
@@ -104,7 +104,7 @@ class Viewport(QtInteractor):
     # ------------------------------------------------------------------ drawing
 
     def render(self, *_args: Any, **_keywords: Any) -> None:
-        """Ask for a picture; several requests before the next turn of the event loop are one."""
+        """Ask for an image; several requests before the next turn of the event loop are one."""
         if not getattr(self, "_closed", False):
             self.awaits_frame = True
             if self._covered:
@@ -121,7 +121,7 @@ class Viewport(QtInteractor):
 
     @property
     def is_covered(self) -> bool:
-        """Whether something else lies over the whole picture, which is drawn all the same."""
+        """Whether something else lies over the whole image, which is drawn all the same."""
         return self._covered
 
     @is_covered.setter
@@ -150,7 +150,7 @@ class Viewport(QtInteractor):
 
     @property
     def view_camera(self) -> Camera:
-        """The camera as it is in the picture now."""
+        """The camera as it is in the image now."""
         camera = self.renderer.GetActiveCamera()
         return Camera(
             camera.GetPosition(),
@@ -251,8 +251,8 @@ class Viewport(QtInteractor):
         elif self._drag is Drag.ZOOM:
             self._move_camera(zoomed(self.view_camera, WHEEL_STEP ** (-dy / 20)))
         elif self._drag is Drag.HANDLE:
-            if self.handles is not None:
-                self.handle_dragged.emit(self.handles.drag(*self._pixel(event.position())))
+            if self.manipulators is not None:
+                self.manipulator_dragged.emit(self.manipulators.drag(*self._pixel(event.position())))
         elif self._drag is Drag.FUNCTION:
             way = event.position() - self._start
             self.function_dragged.emit(way.x() / max(self.width(), 1), -way.y() / max(self.height(), 1))
@@ -295,7 +295,7 @@ class Viewport(QtInteractor):
 
     def leaveEvent(self, event: QEvent) -> None:
         """Nothing is under the pointer any more."""
-        if self.handles is not None and self._drag is None and self.handles.leave():
+        if self.manipulators is not None and self._drag is None and self.manipulators.leave():
             self._show_grip()
         self.pointer_left.emit()
 
@@ -318,14 +318,14 @@ class Viewport(QtInteractor):
         return position.x() * ratio, position.y() * ratio
 
     def _hover(self, position: QPointF) -> None:
-        if self.handles is not None:
-            self.handles.scale = self.devicePixelRatioF()
-            if self.handles.hover(*self._pixel(position)):
+        if self.manipulators is not None:
+            self.manipulators.scale = self.devicePixelRatioF()
+            if self.manipulators.hover(*self._pixel(position)):
                 self._show_grip()
 
     def _show_grip(self) -> None:
-        """Let pointer and picture say what can be dragged here."""
-        under = None if self.handles is None else self.handles.under
+        """Let pointer and image say what can be dragged here."""
+        under = None if self.manipulators is None else self.manipulators.under
         words = {
             "light": self.tr("Drag to move the light"),
             "plane": self.tr("Drag to push the plane along its normal"),
@@ -339,11 +339,11 @@ class Viewport(QtInteractor):
             self.setCursor(Qt.CursorShape.ClosedHandCursor if held else Qt.CursorShape.OpenHandCursor)
         self.render()
 
-    def set_handles(self, handles: SceneHandles | None) -> None:
+    def set_manipulators(self, handles: Manipulators | None) -> None:
         """The handles that are dragged here from now on, None for none."""
         if self._drag is Drag.HANDLE:
             self._end_drag(cancelled=False)
-        self.handles = handles
+        self.manipulators = handles
         if handles is not None:
             handles.scale = self.devicePixelRatioF()
         self._show_grip()
@@ -358,7 +358,7 @@ class Viewport(QtInteractor):
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return Drag.FUNCTION
         plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
-        if plain and self.handles is not None and self.handles.grab(*self._pixel(event.position())):
+        if plain and self.manipulators is not None and self.manipulators.grab(*self._pixel(event.position())):
             return Drag.HANDLE
         return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.ROTATE
 
@@ -381,8 +381,8 @@ class Viewport(QtInteractor):
             self._store.cancel_gesture(self.drag_key)
         self._store.end_gesture(self.drag_key)
         if drag is Drag.HANDLE:
-            if self.handles is not None:
-                self.handles.release()
+            if self.manipulators is not None:
+                self.manipulators.release()
             self._show_grip()
         if moved:
             self.camera_committed.emit(self.view_camera)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QLabel, QToolButton, QWidget
 
-from volviz_ui.icons import set_icon
+from volviz_ui.style.icons import set_icon
 
 
 def quiet_label(text: str = "", parent: QWidget | None = None) -> QLabel:

@@ -36,7 +36,7 @@ class Limits:
 
     @property
     def software(self) -> bool:
-        """Whether the picture is computed on the CPU: the one answer that all code for software OpenGL asks for."""
+        """Whether the image is computed on the CPU: the one answer that all code for software OpenGL asks for."""
         return not os.environ.get(PRETEND_HARDWARE) and any(
             word in self.renderer.lower() for word in _SOFTWARE
         )
@@ -70,7 +70,7 @@ class Gpu:
             raise RenderError(
                 f"OpenGL 3.3 is needed, this system has {self.limits.version}; update the graphics driver."
             )
-        self.programs = ProgramCache(self.gl, carries_uniforms=self.limits.software)
+        self.programs = ProgramCache(self.gl, forwards_uniforms=self.limits.software)
         self.targets = TargetPool(self.gl)
         self._bufferless: dict[int, Any] = {}
         self._blank: Any = None

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from volviz.custom_gl.carried_uniforms import carry
 from volviz.custom_gl.shader_source import ShaderText, assemble, layer_name
+from volviz.custom_gl.uniform_forwarding import forward_uniforms
 from volviz.errors import ShaderError
 
 #: Texture unit of every shared sampler; samplers of different types never meet on one unit.
@@ -31,15 +31,15 @@ class Program:
 
     Attributes
     ----------
-    carried : bool
+    forwarded : bool
         The fragment shader's uniforms come through the vertex shader.
     """
 
     def __init__(
-        self, context: Any, vertex: ShaderText, fragment: ShaderText, label: str, *, carried: bool = False
+        self, context: Any, vertex: ShaderText, fragment: ShaderText, label: str, *, forwarded: bool = False
     ) -> None:
-        linked = _linked_carrying(context, vertex, fragment) if carried else None
-        self.carried = linked is not None
+        linked = _linked_forwarding(context, vertex, fragment) if forwarded else None
+        self.forwarded = linked is not None
         try:
             self.gl = linked or context.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
         except Exception as error:  # noqa: BLE001 - moderngl raises plain ones
@@ -105,13 +105,13 @@ class ProgramCache:
     ----------
     context : moderngl.Context
         Where they are compiled.
-    carries_uniforms : bool
-        Reading a uniform in a fragment shader is dear (see `volviz.custom_gl.carried_uniforms`).
+    forwards_uniforms : bool
+        Reading a uniform in a fragment shader is expensive (see `volviz.custom_gl.uniform_forwarding`).
     """
 
-    def __init__(self, context: Any, *, carries_uniforms: bool = False) -> None:
+    def __init__(self, context: Any, *, forwards_uniforms: bool = False) -> None:
         self._context = context
-        self.carries_uniforms = carries_uniforms
+        self.forwards_uniforms = forwards_uniforms
         self._programs: dict[Any, Program] = {}
         self.overrides: dict[Path, str] = {}
         self.compiled = 0
@@ -141,8 +141,8 @@ class ProgramCache:
         program = self._programs.get(key)
         if program is None:
             texts = [assemble(path, defines, hooks, self.overrides) for path in (vertex, fragment)]
-            carried = self.carries_uniforms and not many_vertices
-            program = Program(self._context, texts[0], texts[1], fragment.name, carried=carried)
+            forwarded = self.forwards_uniforms and not many_vertices
+            program = Program(self._context, texts[0], texts[1], fragment.name, forwarded=forwarded)
             self._programs[key] = program
             self.compiled += 1
         return program
@@ -159,11 +159,11 @@ class ProgramCache:
         self._programs.clear()
 
 
-def _linked_carrying(context: Any, vertex: ShaderText, fragment: ShaderText) -> Any:
+def _linked_forwarding(context: Any, vertex: ShaderText, fragment: ShaderText) -> Any:
     """The program with carried uniforms; None where that does not link, an edited shader for example."""
-    carrying = carry(vertex, fragment)
+    forwarding = forward_uniforms(vertex, fragment)
     try:
-        return context.program(vertex_shader=carrying[0].text, fragment_shader=carrying[1].text)
+        return context.program(vertex_shader=forwarding[0].text, fragment_shader=forwarding[1].text)
     except Exception:  # noqa: BLE001 - moderngl raises plain ones; what is wrong is told of the shaders as they are
         return None
 

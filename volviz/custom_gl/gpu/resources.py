@@ -11,21 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
-from volviz.custom_gl.gpu.scalars import (
-    BRICK,
-    Bricks,
-    Texels,
-    bricks_of,
-    choose_format,
-    gradient_bricks_of,
-    known_gradient_bricks,
-    levels_of,
-    texels_of,
-)
-from volviz.custom_gl.gpu.tables import Table, baked, plane_ranges, table_entries
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
-from volviz.kernels.brick_gradients import occupancy_by_gradient, visible_plane_sums
+from volviz.kernels.brick_gradients import occupancy_2d, visible_plane_sums
 from volviz.kernels.bricks import (
     chessboard_distance,
     grow_occupancy,
@@ -33,9 +21,21 @@ from volviz.kernels.bricks import (
     occupancy_for_isovalues,
     visible_prefix,
 )
-from volviz.model.transfer_function import TransferFunction, table_size
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction, table_size
+from volviz.model.transfer.tables import Table, baked, plane_ranges, table_entries
 from volviz.tasks import LatestResult, Tasks
+from volviz.volume_data.scalars import (
+    BRICK,
+    Bricks,
+    TextureData,
+    bricks_of,
+    choose_format,
+    gradient_bricks_of,
+    known_gradient_bricks,
+    levels_of,
+    texture_data_of,
+)
+from volviz.volume_data.volume import Volume
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -70,17 +70,17 @@ class VolumeResources:
     ----------
     scalars : moderngl.Texture3D
         Scalars, red channel, linear filter, clamped.
-    texels : Texels
+    texels : TextureData
         Mapping of texels to fractions of the data range and of voxels to texture coordinates.
     """
 
     def __init__(self, gpu: Gpu, volume: Volume) -> None:
         self.gpu = gpu
         self.volume = volume
-        self.texels: Texels = texels_of(volume, *texel_limits(gpu, volume))
+        self.texels: TextureData = texture_data_of(volume, *texel_limits(gpu, volume))
         self._uploaded = 0
         self.scalars = self._empty_scalars(self.texels)
-        self._levels: dict[int, tuple[Texels, Any]] = {0: (self.texels, self.scalars)}
+        self._levels: dict[int, tuple[TextureData, Any]] = {0: (self.texels, self.scalars)}
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
         self._last_table: tuple[Any, Table] | None = None
@@ -88,7 +88,7 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ scalars
 
-    def _empty_scalars(self, texels: Texels) -> Any:
+    def _empty_scalars(self, texels: TextureData) -> Any:
         z, y, x = texels.data.shape
         dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
         texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
@@ -279,7 +279,7 @@ class VolumeResources:
 
             size = 2 * reach + 1
             bounds = minimum_filter(bounds[0], size), maximum_filter(bounds[1], size)
-        return occupancy_by_gradient(
+        return occupancy_2d(
             (bricks.low, bricks.high), bounds, visible_plane_sums(opacity), table.values, table.gradients
         )
 
@@ -421,7 +421,7 @@ def _margin(frame: SampledFrame) -> int:
 
 
 def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:
-    """Format and limits with which `texels_of` makes the texels that this GPU takes."""
+    """Format and limits with which `texture_data_of` makes the texels that this GPU takes."""
     kind = choose_format(
         volume.array.dtype,
         volume.array.size,

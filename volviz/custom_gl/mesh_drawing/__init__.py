@@ -1,4 +1,4 @@
-"""Triangle meshes drawn by our own pass: extraction on a worker, upload and drawing in blocks, stand-ins."""
+"""Triangle meshes drawn by our own pass: extraction on a worker, upload and drawing in blocks, LOD meshes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The mesh of a picture: extracted and filtered in voxel indices, taken to the world for whoever measures it."""
+"""The mesh of an image: extracted and filtered in voxel indices, taken to the world for whoever measures it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.meshes.extraction import extract_triangles
-from volviz.model.volume import Volume
 from volviz.tasks import Cancel, Progress
+from volviz.volume_data.volume import Volume
 
 Array = npt.NDArray[Any]
 #: Vertices that are taken to the world at once, so that double precision needs little memory.
@@ -51,7 +51,7 @@ class MeshRequest:
     decimation: float = 0.0
 
     def coarser(self, factor: int) -> MeshRequest:
-        """The same surface from every n-th of its voxels, for a stand-in.
+        """The same surface from every n-th of its voxels, for an LOD mesh.
 
         Its triangles are few already, and a part has fewer of them by the square of the factor.
         """
@@ -116,7 +116,7 @@ def world_triangles(
     Parameters
     ----------
     mesh : ReadyMesh
-        Of a picture: `VolumeHandle.mesh`.
+        Of an image: `VolumeHandle.mesh`.
 
     Returns
     -------

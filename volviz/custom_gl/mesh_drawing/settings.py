@@ -167,7 +167,7 @@ class MeshSettings:
 #: Values of the well-known teaching program: every second voxel of 256^3 bytes, normal as colour.
 CLASSIC: Mapping[str, Any] = {"isovalue": 48.0, "stride": 2, "color_by": "normal"}
 
-#: Settings without an effect on the default picture.
+#: Settings without an effect on the default image.
 INERT: Mapping[str, str] = {
     "color_depth": "acts when the transfer function colours the surface",
     "parts": "all give the same mesh when it has one part only",

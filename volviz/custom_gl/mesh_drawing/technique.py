@@ -1,4 +1,4 @@
-"""A polygonal isosurface as a picture: what to extract, which mesh to show now, how to draw it."""
+"""A polygonal isosurface as an image: what to extract, which mesh to show now, how to draw it."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
     from volviz.model.surface_values import SurfaceValues
 
-#: Triangles of the stand-in that is drawn while something moves: about 30 ms on software OpenGL.
-STAND_IN_TRIANGLES = 60_000
+#: Triangles of the LOD mesh that is drawn while something moves: about 30 ms on software OpenGL.
+LOD_MESH_TRIANGLES = 60_000
 #: The same for graphics cards.
-STAND_IN_TRIANGLES_HARDWARE = 1_500_000
+LOD_MESH_TRIANGLES_HARDWARE = 1_500_000
 #: Edges take so many times as long as faces.
 WIREFRAME_COST = 4
-#: By how much the stride of a stand-in may be larger than that of the mesh.
+#: By how much the stride of an LOD mesh may be larger than that of the mesh.
 COARSER = (1, 2, 4, 8)
 #: Stand-ins that are kept.
-STAND_INS = 3
+LOD_MESHES = 3
 #: Before any mesh of a volume is known.
 FIRST_COARSER = 4
 
 
-class _Shown:
+class _UploadedMeshes:
     """The last meshes of one kind of frame on the GPU, the one that is shown at the end."""
 
     def __init__(self, keeps: int) -> None:
@@ -65,20 +65,20 @@ class _Shown:
 
 
 class MeshTechnique:
-    """Extracts a surface in the background and draws it block by block; a coarser stand-in while something moves."""
+    """Extracts a surface in the background and draws it block by block; a coarser LOD mesh while something moves."""
 
     #: The host puts the depth of the surface into VTK's depth buffer.
     writes_depth = True
-    #: Triangles cost more than pixels: below this, detail is given up by coarser stand-ins.
+    #: Triangles cost more than pixels: below this, detail is given up by coarser LOD meshes.
     least_resolution = 0.375
 
     def __init__(self) -> None:
         self._full: LatestResult[MeshRequest, ReadyMesh] = LatestResult("mesh")
         # those of neighbouring strides are at hand when time gets short, and again when it does not
-        self._stand_in: LatestResult[MeshRequest, ReadyMesh] = LatestResult(
-            "coarse mesh", keeps=STAND_INS, cancels=False
+        self._lod_mesh: LatestResult[MeshRequest, ReadyMesh] = LatestResult(
+            "coarse mesh", keeps=LOD_MESHES, cancels=False
         )
-        self._shown = {False: _Shown(1), True: _Shown(STAND_INS)}
+        self._shown = {False: _UploadedMeshes(1), True: _UploadedMeshes(LOD_MESHES)}
         self._values = ValueColors()
         self._known: MeshRequest | None = None
         self._known_triangles = 0
@@ -89,7 +89,7 @@ class MeshTechnique:
 
     @property
     def mesh(self) -> ReadyMesh | None:
-        """The mesh that the last full picture showed, None before the first one."""
+        """The mesh that the last full image showed, None before the first one."""
         return self._full.last
 
     # ------------------------------------------------------------------ which mesh
@@ -97,7 +97,7 @@ class MeshTechnique:
     def plan(self, frame: Frame) -> int:
         """One chunk per block of triangles; 0 while the mesh is being extracted."""
         request = self._request(frame)
-        mesh = self._stand_in_for(frame, request) if frame.interactive else _made(self._full, frame, request)
+        mesh = self._lod_mesh_for(frame, request) if frame.interactive else _made(self._full, frame, request)
         if mesh is None:
             return 0
         if not frame.interactive:
@@ -116,7 +116,7 @@ class MeshTechnique:
         fits = not frame.interactive or (
             self._full.last is mesh and 3 * mesh.triangles <= _moving_triangles(frame)
         )
-        return self._values.get(frame.tasks, mesh, values, stand_in=frame.settings.wireframe or not fits)
+        return self._values.get(frame.tasks, mesh, values, lod_mesh=frame.settings.wireframe or not fits)
 
     def _request(self, frame: Frame) -> MeshRequest:
         settings = frame.settings
@@ -124,22 +124,22 @@ class MeshTechnique:
             frame.volume, frame.isovalues[0], self.method(settings), **settings.extraction_options
         )
 
-    def _stand_in_for(self, frame: Frame, request: MeshRequest) -> ReadyMesh | None:
+    def _lod_mesh_for(self, frame: Frame, request: MeshRequest) -> ReadyMesh | None:
         """A mesh that is drawn quickly: of this isovalue if possible, else the last one."""
         limit = _moving_triangles(frame)
         full = self._full.held(request)
         if full is not None and full.triangles <= limit:
             return full
         coarse = request.coarser(self._coarser(request, limit))
-        mesh = _made(self._stand_in, frame, coarse)
+        mesh = _made(self._lod_mesh, frame, coarse)
         if mesh is not None:
             self._note(mesh)
             return mesh
-        last = self._stand_in.last
+        last = self._lod_mesh.last
         return last if last is not None and last.request.volume is request.volume else None
 
     def _note(self, mesh: ReadyMesh) -> None:
-        """Remember how many triangles a stride gives, to choose that of the next stand-in."""
+        """Remember how many triangles a stride gives, to choose that of the next LOD mesh."""
         self._known, self._known_triangles = mesh.request, mesh.triangles
 
     def _coarser(self, request: MeshRequest, limit: int) -> int:
@@ -205,7 +205,7 @@ class MeshTechnique:
         for shown in self._shown.values():
             shown.release()
         self._values.release()
-        for meshes in (self._full, self._stand_in):
+        for meshes in (self._full, self._lod_mesh):
             meshes.clear()
 
 
@@ -217,8 +217,8 @@ def _made(
 
 
 def _moving_triangles(frame: Frame) -> int:
-    """How many triangles a picture may have while something moves."""
-    limit = STAND_IN_TRIANGLES if frame.gpu.limits.software else STAND_IN_TRIANGLES_HARDWARE
+    """How many triangles an image may have while something moves."""
+    limit = LOD_MESH_TRIANGLES if frame.gpu.limits.software else LOD_MESH_TRIANGLES_HARDWARE
     if frame.settings.wireframe:
         limit //= WIREFRAME_COST
     return int(limit / frame.step_scale)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float32]
 
-#: Meshes whose values are kept: the full one and the stand-ins of a drag.
+#: Meshes whose values are kept: the full one and the LOD meshes of a drag.
 KEPT = 4
 #: Ambient, diffuse, specular, exponent: shape is to be seen, and colours are to be compared.
 MATERIAL = (0.45, 0.55, 0.0, 1.0)
@@ -33,31 +33,33 @@ class MeshValues:
     ----------
     at_vertices : ndarray of shape (V,), float32
     at_middles : ndarray of shape (F,), float32, or None
-        At the middles of triangles; None for a stand-in, whose vertices have means of what is around.
+        At the middles of triangles; None for an LOD mesh, whose vertices have means of what is around.
     """
 
     at_vertices: Floats
     at_middles: Floats | None = None
 
 
-class _Wish(NamedTuple):
+class _ValueRequest(NamedTuple):
     """Which values on which mesh; all three are compared by identity."""
 
     mesh: ReadyMesh
     values: SurfaceValues
-    stand_in: bool
+    lod_mesh: bool
 
 
 class ValueColors:
     """Finds the values of the meshes of one technique, in the background, and brings their colours to a shader."""
 
     def __init__(self) -> None:
-        self._found: LatestResult[_Wish, MeshValues] = LatestResult("values", keeps=KEPT, cancels=False)
+        self._found: LatestResult[_ValueRequest, MeshValues] = LatestResult(
+            "values", keeps=KEPT, cancels=False
+        )
         self._table: Any = None
         self._texture: Any = None
 
     def get(
-        self, tasks: Tasks, mesh: ReadyMesh, values: SurfaceValues, *, stand_in: bool
+        self, tasks: Tasks, mesh: ReadyMesh, values: SurfaceValues, *, lod_mesh: bool
     ) -> MeshValues | None:
         """Values on a mesh, or None while they are looked for.
 
@@ -69,11 +71,11 @@ class ValueColors:
             What is drawn.
         values : SurfaceValues
             Of the surface that it shows, or stands for.
-        stand_in : bool
+        lod_mesh : bool
             Give the vertices means of what is around them, and triangles nothing.
         """
-        wish = _Wish(mesh, values, stand_in)
-        return self._found.get(tasks, wish, lambda _progress, _cancel: _looked_up(wish))
+        request = _ValueRequest(mesh, values, lod_mesh)
+        return self._found.get(tasks, request, lambda _progress, _cancel: _looked_up(request))
 
     def set(self, gpu: Gpu, program: Program, colors: SurfaceColors) -> None:
         """Give a program the colours."""
@@ -107,8 +109,8 @@ class ValueColors:
         self._drop_texture()
 
 
-def _looked_up(wish: _Wish) -> MeshValues:
-    vertices, faces = world_places(wish.mesh)
-    if wish.stand_in:
-        return MeshValues(wish.values.around(vertices))
-    return MeshValues(*wish.values.at(vertices, faces))
+def _looked_up(request: _ValueRequest) -> MeshValues:
+    vertices, faces = world_places(request.mesh)
+    if request.lod_mesh:
+        return MeshValues(request.values.around(vertices))
+    return MeshValues(*request.values.at(vertices, faces))

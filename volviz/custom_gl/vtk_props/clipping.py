@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from volviz.custom_gl.vtk_props import border as vtk
+from volviz.custom_gl.vtk_props import vtk_imports as vtk
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
@@ -32,7 +32,7 @@ def crop_planes(frame: Frame) -> list[Plane]:
     return planes
 
 
-def shown_part(frame: Frame) -> list[Plane]:
+def clip_planes_of(frame: Frame) -> list[Plane]:
     """Crop box and clip planes together, as planes in world space."""
     return crop_planes(frame) + list(frame.planes)
 

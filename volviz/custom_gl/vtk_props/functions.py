@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from volviz.model.transfer_function import TransferFunction
+    from volviz.model.transfer.function import TransferFunction
 
 #: Width of a jump as a fraction of the data range: VTK chooses the size of its tables by the nearest two points, and
 #: makes none with more entries than this.

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.vtk_props import border as vtk
+from volviz.custom_gl.vtk_props import vtk_imports as vtk
 
 if TYPE_CHECKING:
-    from volviz.model.transfer_function import TransferFunction
-    from volviz.model.volume import Volume
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.volume_data.volume import Volume
 
 #: A range narrower than this share of its values is handed over as fractions.
 NARROW = 1e-3

@@ -62,7 +62,7 @@ class VtkFixedPointSettings(VtkShadingSettings, VtkSamplingSettings):
 
 
 @dataclass(frozen=True)
-class VtkSurfaceSettings:
+class VtkMeshSettings:
     """Which surface VTK's filters extract and how its triangles look."""
 
     isovalue: float | None = taken_from(MeshSettings, "isovalue")
@@ -76,7 +76,7 @@ class VtkSurfaceSettings:
     shininess: float = taken_from(MeshSettings, "shininess", enabled_by=None)
 
 
-#: Settings without an effect on the default picture.
+#: Settings without an effect on the default image.
 INERT = {
     "ambient": "acts with shading",
     "diffuse": "acts with shading",

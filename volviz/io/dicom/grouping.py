@@ -14,30 +14,30 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from volviz.io.dicom.headers import Frame
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 #: Directions whose cosines differ by less belong to one orientation, and spacings that differ by less, as a fraction:
 #: over 1000 pixels either moves a voxel by less than one.
 ALIKE = 1e-3
 
 
-def one_series(job: Job, frames: Sequence[Frame]) -> list[Frame]:
+def one_series(request: LoadRequest, frames: Sequence[Frame]) -> list[Frame]:
     """The frames of one series: the one asked for, else the one with most pixels."""
     groups: dict[str, list[Frame]] = defaultdict(list)
     for frame in frames:
         groups[frame.file.series].append(frame)
     ordered = sorted(groups.values(), key=lambda g: -sum(f.rows * f.columns for f in g))
-    asked = job.hints.series
+    asked = request.hints.series
     if asked is None:
         if len(ordered) > 1:
             sizes = ", ".join(f"{n}: {_words(group)}" for n, group in enumerate(ordered[:8]))
-            job.note(f"The largest of {len(ordered)} series is shown; choose with series= ({sizes}).")
+            request.note(f"The largest of {len(ordered)} series is shown; choose with series= ({sizes}).")
         return ordered[0]
     if isinstance(asked, str) and asked in groups:
         return groups[asked]
     if isinstance(asked, int) and 0 <= asked < len(ordered):
         return ordered[asked]
-    raise InputError(f"{job.path.name}: series must be 0..{len(ordered) - 1} or a UID, got {asked!r}.")
+    raise InputError(f"{request.path.name}: series must be 0..{len(ordered) - 1} or a UID, got {asked!r}.")
 
 
 def _words(group: Sequence[Frame]) -> str:
@@ -62,7 +62,7 @@ def alike(a: Frame, b: Frame) -> bool:
     return True
 
 
-def one_kind(job: Job, frames: Sequence[Frame]) -> list[Frame]:
+def one_kind(request: LoadRequest, frames: Sequence[Frame]) -> list[Frame]:
     """The frames that fit together; scout images are left out.
 
     Raises
@@ -79,17 +79,17 @@ def one_kind(job: Job, frames: Sequence[Frame]) -> list[Frame]:
             group.append(frame)
     largest = max(groups, key=len)
     if len(groups) > 1 and len(largest) == 1:
-        raise job.error(
+        raise request.error(
             f"it holds {len(groups)} images of different orientation or size, one each (a localizer, say); "
             "that is no volume, choose another series."
         )
     if len(groups) > 1:
         left = len(frames) - len(largest)
-        job.note(f"{left} slices of another size or orientation (scout images, say) were left out.")
+        request.note(f"{left} slices of another size or orientation (scout images, say) were left out.")
     return largest
 
 
-def volumes(job: Job, frames: Sequence[Frame]) -> list[list[Frame]]:
+def volumes(request: LoadRequest, frames: Sequence[Frame]) -> list[list[Frame]]:
     """The frames as volumes: time points, echoes or the like, each sorted along the stack."""
     if any(f.position is None or f.orientation is None for f in frames):
         return [sorted(frames, key=lambda f: (f.instance, f.file.path.name, f.number, f.tile))]
@@ -101,7 +101,7 @@ def volumes(job: Job, frames: Sequence[Frame]) -> list[list[Frame]]:
         return [[frames[n] for n in np.argsort(depths, kind="stable")]]
     stacks = _stacks_by_dimensions(frames, places, count) or _stacks_by_order(frames, places, count)
     if stacks is None:
-        job.note("Some slices lie at one and the same position; the first of them was taken.")
+        request.note("Some slices lie at one and the same position; the first of them was taken.")
         firsts: dict[int, Frame] = {}
         for frame, place in sorted(
             zip(frames, places.tolist(), strict=True), key=lambda pair: _order(pair[0])
@@ -110,7 +110,7 @@ def volumes(job: Job, frames: Sequence[Frame]) -> list[list[Frame]]:
         return [[firsts[place] for place in sorted(firsts)]]
     words = _what_differs(stacks)
     if words:
-        job.note(f"What is called a time point here is another {words}.")
+        request.note(f"What is called a time point here is another {words}.")
     return stacks
 
 

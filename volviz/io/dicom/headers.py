@@ -55,7 +55,7 @@ class ImageFile:
     series : str
         Series instance UID.
     rows, columns, samples, bits : int
-        Size of the stored pictures, components and bits of a pixel.
+        Size of the stored images, components and bits of a pixel.
     compressed : bool
         By a codec, pixel by pixel.
     interpretation : str
@@ -65,7 +65,7 @@ class ImageFile:
     fractional : float
         Value that stands for a whole voxel in a segmentation of fractions, 0 in others.
     tiles : Tiles or None
-        How a picture is divided that holds several slices side by side.
+        How an image is divided that holds several slices side by side.
     cut_off : bool
         The file ends before its pixels do.
     """
@@ -89,7 +89,7 @@ class ImageFile:
 
 @dataclass(frozen=True)
 class Frame:
-    """One slice: the image of its own file, a frame of a file of many, or a tile of a picture.
+    """One slice: the image of its own file, a frame of a file of many, or a tile of an image.
 
     Attributes
     ----------
@@ -280,7 +280,7 @@ def _placed(frame: Frame, header: Any, offsets: tuple[float, ...] | None) -> Fra
 
 
 def _tiles(frame: Frame, tiles: Tiles) -> Iterator[Frame]:
-    """The slices of a picture that holds several side by side."""
+    """The slices of an image that holds several side by side."""
     rows, columns = frame.rows // tiles.across, frame.columns // tiles.across
     normal = frame.normal
     if tiles.normal is not None and np.dot(normal, tiles.normal) < 0:

@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 #: As fractions of the distance of slices: positions that are the same, that stray unnoticed, that stray with a note.
 SAME = 0.05
@@ -70,7 +70,7 @@ class SliceLattice:
 
 
 def fit(
-    job: Job, positions: npt.NDArray[np.float64], normal: npt.NDArray[np.float64], pixel: float
+    request: LoadRequest, positions: npt.NDArray[np.float64], normal: npt.NDArray[np.float64], pixel: float
 ) -> SliceLattice:
     """The even lattice through positions that are sorted along the normal, with notes on what was done.
 
@@ -98,30 +98,30 @@ def fit(
     count = int(index[-1]) + 1
     words = f"{gaps.min():.4g} to {gaps.max():.4g} mm apart"
     if count > 2 * len(positions):
-        raise job.error(
+        raise request.error(
             f"its slices lie {words}: more are missing than there are; they are parts of several stacks, "
             "or it is no volume."
         )
     if straying <= STRAYING:
         if count > len(positions):
-            job.note(
+            request.note(
                 f"{count - len(positions)} of {count} slices are missing (slices lie {words}); they are filled in by "
                 "interpolation between their neighbours."
             )
         elif straying > EVEN:
-            job.note(f"Slices lie {words}; their mean distance is taken.")
+            request.note(f"Slices lie {words}; their mean distance is taken.")
         return SliceLattice(start, step, index, count)
     start, slope = _line(depths, positions)
     shifted = float(np.linalg.norm(positions - start - depths[:, None] * slope, axis=1).max())
     if shifted > max(pixel, STRAYING * usual):
-        raise job.error(
+        raise request.error(
             f"its slices are shifted against one another by up to {shifted:.3g} mm; it is no regular stack, "
             "resample it first."
         )
     count = max(round(float(depths[-1] - depths[0]) / usual), 1) + 1
     step = (depths[-1] - depths[0]) / (count - 1) * slope
     start = start + depths[0] * slope
-    job.note(f"Slices lie {words}; they are resampled to {np.linalg.norm(step):.4g} mm by interpolation.")
+    request.note(f"Slices lie {words}; they are resampled to {np.linalg.norm(step):.4g} mm by interpolation.")
     return SliceLattice(start, step, (depths - depths[0]) / (depths[-1] - depths[0]) * (count - 1), count)
 
 

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.dicom.headers import Frame, ImageFile
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 
-def slices_of(job: Job, frames: Sequence[Frame]) -> Iterator[tuple[int, npt.NDArray[Any]]]:
+def slices_of(request: LoadRequest, frames: Sequence[Frame]) -> Iterator[tuple[int, npt.NDArray[Any]]]:
     """Place in `frames` and stored pixels (rows, columns) of every frame; a file is opened once.
 
     Raises
@@ -34,15 +34,15 @@ def slices_of(job: Job, frames: Sequence[Frame]) -> Iterator[tuple[int, npt.NDAr
         by_file[frame.file][frame.number].append(place)
     done = 0
     for file, numbers in by_file.items():
-        for number, pixels in zip(sorted(numbers), _decoded(job, file, sorted(numbers)), strict=True):
-            job.report(0.3 + 0.7 * done / len(frames), "reading slices")
-            picture = _gray(job, pixels, file)
-            if picture.shape != (file.rows, file.columns):
-                raise job.error("its pixels do not fit its header; the file is damaged.", file.path)
+        for number, pixels in zip(sorted(numbers), _decoded(request, file, sorted(numbers)), strict=True):
+            request.report(0.3 + 0.7 * done / len(frames), "reading slices")
+            image = _gray(request, pixels, file)
+            if image.shape != (file.rows, file.columns):
+                raise request.error("its pixels do not fit its header; the file is damaged.", file.path)
             for place in numbers[number]:
                 done += 1
                 tiles = file.tiles
-                yield place, picture if tiles is None else tiles.cut(picture, frames[place].tile)
+                yield place, image if tiles is None else tiles.cut(image, frames[place].tile)
 
 
 def is_scaled_alike(frames: Sequence[Frame]) -> bool:
@@ -55,19 +55,19 @@ def values_of(frame: Frame, pixels: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return rescaled(pixels, frame.slope, frame.intercept)
 
 
-def _gray(job: Job, pixels: npt.NDArray[Any], file: ImageFile) -> npt.NDArray[Any]:
+def _gray(request: LoadRequest, pixels: npt.NDArray[Any], file: ImageFile) -> npt.NDArray[Any]:
     if pixels.ndim != 3:
         return pixels
     if file.interpretation == "PALETTE COLOR":
-        job.note("Its pixels are indices of a palette; the brightness of the colours is shown.")
+        request.note("Its pixels are indices of a palette; the brightness of the colours is shown.")
         return brightness(pixels)
-    if job.channel is None:
-        job.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
+    if request.channel is None:
+        request.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
         return brightness(pixels)
-    return np.asarray(pixels[..., choose(job, "S", pixels.shape[-1])])
+    return np.asarray(pixels[..., choose(request, "S", pixels.shape[-1])])
 
 
-def _decoded(job: Job, file: ImageFile, numbers: list[int]) -> Iterator[npt.NDArray[Any]]:
+def _decoded(request: LoadRequest, file: ImageFile, numbers: list[int]) -> Iterator[npt.NDArray[Any]]:
     """Frames of one file, (rows, columns[, samples]), in the order of their numbers."""
     import pydicom
     from pydicom.config import disable_value_validation
@@ -92,7 +92,7 @@ def _decoded(job: Job, file: ImageFile, numbers: list[int]) -> Iterator[npt.NDAr
         except OSError:
             raise
         except Exception:  # noqa: BLE001 - what damaged pixels raise inside the library and its codecs has no end
-            raise job.error("its pixels cannot be decoded; the file is damaged.", file.path) from None
+            raise request.error("its pixels cannot be decoded; the file is damaged.", file.path) from None
 
 
 def _syntax(data: Any) -> Any:

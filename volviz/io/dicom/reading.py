@@ -24,39 +24,39 @@ if TYPE_CHECKING:
 
     from volviz.io.file_source import FileSource
     from volviz.io.geometry import Geometry
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 
-def open_source(job: Job) -> FileSource:
+def open_source(request: LoadRequest) -> FileSource:
     """The largest series of a folder, or the one asked for, with all its time points."""
-    frames = _frames(job)
+    frames = _frames(request)
     if not frames:
-        raise job.error("it holds no DICOM image that can be read; choose another one.")
-    frames = grouping.one_kind(job, grouping.one_series(job, frames))
+        raise request.error("it holds no DICOM image that can be read; choose another one.")
+    frames = grouping.one_kind(request, grouping.one_series(request, frames))
     file = frames[0].file
     if file.labels is not None:
-        return _segmentation(job, frames)
-    stacks = grouping.volumes(job, frames)
-    slices, geometry = _lattice(job, stacks[0])
+        return _segmentation(request, frames)
+    stacks = grouping.volumes(request, frames)
+    slices, geometry = _lattice(request, stacks[0])
 
-    def values(job: Job) -> npt.NDArray[Any]:
-        stack = stacks[choose(job, "T", len(stacks))]
-        if job.box is None:
-            return _stack(job, stack, slices)
-        i0, i1, j0, j1, k0, k1 = job.box
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        stack = stacks[choose(request, "T", len(stacks))]
+        if request.box is None:
+            return _stack(request, stack, slices)
+        i0, i1, j0, j1, k0, k1 = request.box
         if slices.is_complete:
-            part = _stack(job, stack[k0:k1], slices.part(k0, k1))
+            part = _stack(request, stack[k0:k1], slices.part(k0, k1))
         else:
-            part = _stack(job, stack, slices)[k0:k1]
+            part = _stack(request, stack, slices)[k0:k1]
         return np.ascontiguousarray(part[:, j0:j1, i0:i1])
 
     times = [stack[0].time for stack in stacks]
     known = [time for time in times if time is not None]
     colours = file.samples in (3, 4)
     shape = (len(stacks), slices.count, frames[0].rows, frames[0].columns)
-    # no name of a person, no date, no number of a study: only what the picture needs
+    # no name of a person, no date, no number of a study: only what the image needs
     return file_source(
-        job,
+        request,
         values,
         "TZYXS" if colours else "TZYX",
         (*shape, file.samples) if colours else shape,
@@ -71,26 +71,26 @@ def open_source(job: Job) -> FileSource:
     )
 
 
-def _frames(job: Job) -> list[Frame]:
+def _frames(request: LoadRequest) -> list[Frame]:
     """All frames around the path; those of files that are cut off are left out."""
-    path = job.path
+    path = request.path
     if path.is_dir():
-        return _of_files(job, list(files_below(path)))
+        return _of_files(request, list(files_below(path)))
     with path.open("rb") as stream:
         if stream.read(2) == b"\x1f\x8b":
-            raise job.error("this DICOM file is packed by gzip; unpack it first.")
+            raise request.error("this DICOM file is packed by gzip; unpack it first.")
     if path.name.upper() == DIRECTORY_NAME or not (own := read_frames(path)):
         listed = files_of_directory(path)
         if listed:
-            return _of_files(job, listed)
-        raise job.error("this DICOM file holds no image that can be read; choose another one.")
+            return _of_files(request, listed)
+        raise request.error("this DICOM file holds no image that can be read; choose another one.")
     if own[0].file.cut_off:
-        raise job.error("the file is cut off: its pixel data is incomplete; get it again.")
+        raise request.error("the file is cut off: its pixel data is incomplete; get it again.")
     if own[0].file.count > 1:
         return list(own)
     # a file of many frames, or of another kind than the one asked for, does not belong into its stack
     around = _of_files(
-        job, [p for p in files_below(path.parent) if p.parent == path.parent], own[0].file.series
+        request, [p for p in files_below(path.parent) if p.parent == path.parent], own[0].file.series
     )
     kept = [
         f
@@ -99,61 +99,61 @@ def _frames(job: Job) -> list[Frame]:
     ]
     files = len({f.file.path for f in kept})
     if files > 1:
-        job.note(f"The file is one of {files} slices of a series in its folder; all of them are shown.")
+        request.note(f"The file is one of {files} slices of a series in its folder; all of them are shown.")
     return kept
 
 
-def _of_files(job: Job, paths: list[Path], series: str | None = None) -> list[Frame]:
+def _of_files(request: LoadRequest, paths: list[Path], series: str | None = None) -> list[Frame]:
     """Frames of many files, with a note on those that are cut off (of the series that matters)."""
     found: list[Frame] = []
     for number, path in enumerate(paths):
-        job.report(0.3 * number / len(paths), "reading headers")
+        request.report(0.3 * number / len(paths), "reading headers")
         frames = read_frames(path)
         if not frames:
             continue
         if not frames[0].file.cut_off:
             found.extend(frames)
         elif series is None or frames[0].file.series == series:
-            job.note(f"{path.name} is cut off and was left out.")
+            request.note(f"{path.name} is cut off and was left out.")
     return found
 
 
-def _lattice(job: Job, frames: list[Frame]) -> tuple[lattice.SliceLattice, Geometry]:
+def _lattice(request: LoadRequest, frames: list[Frame]) -> tuple[lattice.SliceLattice, Geometry]:
     """Where the slices of one volume lie."""
     first = frames[0]
     spacing = first.pixel_spacing
     if spacing is None:
-        job.note("The header gives no distance between pixels; 1 is taken.")
+        request.note("The header gives no distance between pixels; 1 is taken.")
         spacing = (1.0, 1.0)
     rows = np.array(first.orientation or (1, 0, 0, 0, 1, 0), np.float64).reshape(2, 3)
     normal = first.normal
     step = normal * (first.step or 1.0)
     count = len(frames)
     if any(f.position is None or f.orientation is None for f in frames):
-        job.note(
+        request.note(
             "The header does not say where the slices lie; they are stacked in the order of their numbers."
         )
         found = lattice.SliceLattice(np.zeros(3), step, np.arange(count, dtype=np.float64), count)
     elif count == 1:
         found = lattice.SliceLattice(np.array(first.position), step, np.zeros(1), 1)
     else:
-        found = lattice.fit(job, np.array([f.position for f in frames]), normal, min(spacing))
+        found = lattice.fit(request, np.array([f.position for f in frames]), normal, min(spacing))
     matrix = np.c_[rows[0] * spacing[1], rows[1] * spacing[0], found.step]
     if not is_usable(matrix):
-        raise job.error("its image orientation or spacing is unusable; the headers are damaged.")
-    return found, job.geometry(np.c_[matrix, found.start])
+        raise request.error("its image orientation or spacing is unusable; the headers are damaged.")
+    return found, request.geometry(np.c_[matrix, found.start])
 
 
-def _stack(job: Job, frames: list[Frame], slices: lattice.SliceLattice) -> npt.NDArray[Any]:
+def _stack(request: LoadRequest, frames: list[Frame], slices: lattice.SliceLattice) -> npt.NDArray[Any]:
     """Values of all slices of the lattice; those that are missing lie between their neighbours."""
     first = frames[0]
     # one rescaling at the end costs less memory than one of every slice, whose types may differ
     later = is_scaled_alike(frames)
     array: npt.NDArray[Any] | None = None
-    for place, stored in slices_of(job, frames):
-        pixels = stored if later else values_of(frames[place], stored)
+    for place, payload in slices_of(request, frames):
+        pixels = payload if later else values_of(frames[place], payload)
         if array is None:
-            check_memory(job, slices.count * pixels.nbytes)
+            check_memory(request, slices.count * pixels.nbytes)
             array = np.empty((len(frames), *pixels.shape), pixels.dtype)
         elif not np.can_cast(pixels.dtype, array.dtype):
             array = array.astype(np.result_type(array, pixels))
@@ -180,7 +180,7 @@ def _filled(array: npt.NDArray[Any], slices: lattice.SliceLattice) -> npt.NDArra
     return result
 
 
-def _segmentation(job: Job, frames: list[Frame]) -> FileSource:
+def _segmentation(request: LoadRequest, frames: list[Frame]) -> FileSource:
     """Label map of all segments, on the lattice of all frames."""
     if any(f.position is None or f.orientation is None for f in frames):
         places, alone = np.arange(len(frames)), frames
@@ -188,22 +188,22 @@ def _segmentation(job: Job, frames: list[Frame]) -> FileSource:
         depths = np.array([float(np.dot(frames[0].normal, np.asarray(f.position))) for f in frames])
         places = lattice.same_places(depths)
         alone = [frames[int(np.flatnonzero(places == n)[0])] for n in range(int(places.max()) + 1)]
-    before = len(job.notes)
-    slices, geometry = _lattice(job, alone)
+    before = len(request.notes)
+    slices, geometry = _lattice(request, alone)
     # slices without any segment need not be in the file: they are empty, not missing
-    job.notes[before:] = [note for note in job.notes[before:] if "missing" not in note]
+    request.notes[before:] = [note for note in request.notes[before:] if "missing" not in note]
     at = np.rint(slices.at).astype(np.int64)[places]
     first = frames[0]
 
-    def values(job: Job) -> npt.NDArray[Any]:
-        labels = label_map(job, frames, at, slices.count)
-        if job.box is None:
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        labels = label_map(request, frames, at, slices.count)
+        if request.box is None:
             return labels
-        i0, i1, j0, j1, k0, k1 = job.box
+        i0, i1, j0, j1, k0, k1 = request.box
         return np.ascontiguousarray(labels[k0:k1, j0:j1, i0:i1])
 
     return file_source(
-        job, values, "ZYX", (slices.count, first.rows, first.columns), geometry, format="DICOM",
+        request, values, "ZYX", (slices.count, first.rows, first.columns), geometry, format="DICOM",
         name=f"DICOM SEG {slices.count} slices", is_labels=True, labels=first.file.labels or (), length_unit="mm",
         modality="SEG",
     )  # fmt: skip

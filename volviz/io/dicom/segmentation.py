@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.dicom.headers import Frame
-    from volviz.io.reader import Job
+    from volviz.io.reader import LoadRequest
 
 
 def label_map(
-    job: Job, frames: Sequence[Frame], places: npt.NDArray[np.int64], count: int
+    request: LoadRequest, frames: Sequence[Frame], places: npt.NDArray[np.int64], count: int
 ) -> npt.NDArray[Any]:
     """Numbers of segments on the lattice of a segmentation.
 
@@ -41,7 +41,7 @@ def label_map(
     labels = np.zeros((count, first.rows, first.columns), np.uint8 if highest < 256 else np.uint16)
     order = sorted(range(len(frames)), key=lambda n: (frames[n].segment, n))
     overlap = False
-    for at, pixels in slices_of(job, [frames[n] for n in order]):
+    for at, pixels in slices_of(request, [frames[n] for n in order]):
         frame, place = frames[order[at]], int(places[order[at]])
         if frame.segment == 0:
             # a label map: the pixels are the numbers
@@ -55,7 +55,7 @@ def label_map(
         overlap = overlap or bool(np.any(labels[place][inside]))
         labels[place][inside] = np.maximum(labels[place][inside], frame.segment)
     if overlap:
-        job.note("Segments overlap; where they do, the one with the higher number is shown.")
+        request.note("Segments overlap; where they do, the one with the higher number is shown.")
     if first.file.fractional:
-        job.note("The segments are fractions; a voxel belongs to a segment from one half on.")
+        request.note("The segments are fractions; a voxel belongs to a segment from one half on.")
     return labels

@@ -1,6 +1,6 @@
-"""Pictures that hold the slices of a volume side by side: mosaics of Siemens, tiles of UIH.
+"""Images that hold the slices of a volume side by side: mosaics of Siemens, tiles of UIH.
 
-Siemens writes the position of the large picture: its corner lies half of the missing columns and rows outside of that
+Siemens writes the position of the large image: its corner lies half of the missing columns and rows outside of that
 of a slice. The number of slices is a private attribute, or stands in the vendor's header (CSA), which also says on
 which side of a slice the next one lies.
 """
@@ -23,7 +23,7 @@ _UIH_PLACES = (0x0065, 0x1051)
 
 @dataclass(frozen=True)
 class Tiles:
-    """How a picture is divided.
+    """How an image is divided.
 
     Attributes
     ----------
@@ -44,15 +44,15 @@ class Tiles:
         """Tiles along a row and along a column."""
         return math.ceil(math.sqrt(self.count))
 
-    def cut(self, picture: npt.NDArray[Any], tile: int) -> npt.NDArray[Any]:
-        """One slice out of a picture of shape (rows, columns[, samples])."""
-        rows, columns = picture.shape[0] // self.across, picture.shape[1] // self.across
+    def cut(self, image: npt.NDArray[Any], tile: int) -> npt.NDArray[Any]:
+        """One slice out of an image of shape (rows, columns[, samples])."""
+        rows, columns = image.shape[0] // self.across, image.shape[1] // self.across
         top, left = divmod(tile, self.across)
-        return picture[top * rows : (top + 1) * rows, left * columns : (left + 1) * columns]
+        return image[top * rows : (top + 1) * rows, left * columns : (left + 1) * columns]
 
 
 def tiles_of(header: Any) -> Tiles | None:
-    """How the pictures of a file are divided; None for ordinary ones."""
+    """How the images of a file are divided; None for ordinary ones."""
     kinds = [str(kind).upper() for kind in header.get("ImageType") or ()]
     if "MOSAIC" in kinds:
         csa = _csa(header)

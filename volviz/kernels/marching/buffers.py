@@ -19,7 +19,7 @@ KEPT_BYTES = 256 * 2**20
 SMALLEST = 2**18
 
 _lock = threading.Lock()
-_kept: list[npt.NDArray[np.uint8]] = []
+_pool: list[npt.NDArray[np.uint8]] = []
 
 
 class _Lease:
@@ -63,16 +63,16 @@ def new_array(count: int, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
 def release_kept_memory() -> None:
     """Give all kept memory back to the system."""
     with _lock:
-        _kept.clear()
+        _pool.clear()
 
 
 def _take(size: int) -> npt.NDArray[np.uint8] | None:
     """The smallest kept buffer that is large enough and not wastefully larger."""
     with _lock:
-        fitting = [i for i, buffer in enumerate(_kept) if size <= buffer.nbytes <= size + size // 2]
+        fitting = [i for i, buffer in enumerate(_pool) if size <= buffer.nbytes <= size + size // 2]
         if not fitting:
             return None
-        return _kept.pop(min(fitting, key=lambda i: _kept[i].nbytes))
+        return _pool.pop(min(fitting, key=lambda i: _pool[i].nbytes))
 
 
 def _give_back(buffer: npt.NDArray[np.uint8]) -> None:
@@ -81,9 +81,9 @@ def _give_back(buffer: npt.NDArray[np.uint8]) -> None:
     if buffer.nbytes > KEPT_BYTES // 2 or not _lock.acquire(blocking=False):
         return
     try:
-        _kept.append(buffer)
-        total = sum(kept.nbytes for kept in _kept)
+        _pool.append(buffer)
+        total = sum(pooled.nbytes for pooled in _pool)
         while total > KEPT_BYTES:
-            total -= _kept.pop(0).nbytes
+            total -= _pool.pop(0).nbytes
     finally:
         _lock.release()

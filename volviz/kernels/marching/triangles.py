@@ -23,7 +23,7 @@ def _make(lanes: int) -> Callable[..., None]:
         cell_counts: Array,
         triangle_starts: Array,
         vertex_starts: Array,
-        lane_rows: Array,
+        channel_rows: Array,
         triangle_count: Array,
         triangles: Array,
         shift: Array,
@@ -43,9 +43,9 @@ def _make(lanes: int) -> Callable[..., None]:
                 cells = cell_counts[z, y]
                 if cells == 0:
                     continue
-                for lane in range(lane_rows.shape[0]):
+                for lane in range(channel_rows.shape[0]):
                     counters[lane] = vertex_starts[
-                        z + lane_rows[lane, 2], lane_rows[lane, 0], y + lane_rows[lane, 1]
+                        z + channel_rows[lane, 2], channel_rows[lane, 0], y + channel_rows[lane, 1]
                     ]
                 out = np.uintp(3 * triangle_starts[z, y])
                 for _ in range(cells):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.bump_mapping.picking import pick
-from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS, BumpSettings
+from volviz.custom_gl.techniques.bump_mapping.settings import DEBUG_VIEWS, BumpSettings
 from volviz.custom_gl.techniques.bump_mapping.technique import BumpMapping
 
 TECHNIQUE = TechniqueInfo(
@@ -15,8 +15,8 @@ TECHNIQUE = TechniqueInfo(
     create=BumpMapping,
     pick=pick,
     isovalue_setting="isovalue",
-    handles=("light", "plane"),
-    displays=DISPLAYS,
+    manipulators=("light", "plane"),
+    debug_views=DEBUG_VIEWS,
     classic={
         "normal_source": "bricks",
         "color_source": "flat",

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.techniques.bump_mapping.surfaces import VERTEX_FLOATS
+from volviz.custom_gl.techniques.bump_mapping.receivers import VERTEX_FLOATS
 from volviz.kernels.tangents import box_projection, vertex_tangents
 from volviz.meshes.extraction import extract_triangles
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
 
 class MeshData(NamedTuple):

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.picking import Picked, Sight, on_isovalue
-from volviz.custom_gl.techniques.bump_mapping.surfaces import Polygon, polygons
+from volviz.custom_gl.techniques.bump_mapping.receivers import Polygon, polygons
 from volviz.kernels.slices import crop_corners
 
 Float64Array = npt.NDArray[np.float64]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from volviz.custom_gl.counterpart_settings import CutSettings
 from volviz.custom_gl.settings import INTERPOLATIONS, taken_from
-from volviz.custom_gl.shared_settings import CutSettings
 from volviz.errors import SettingError
 from volviz.model.parameters import Cost, parameter
 
-DISPLAYS = (
+DEBUG_VIEWS = (
     ("image", "Image"),
     ("diffuse", "Light alone"),
     ("color", "Colour factor alone"),
@@ -271,7 +271,7 @@ class BumpSettings:
         "Show",
         "The picture, or what it is made of. Vectors are shown as colours 0.5 + 0.5 v; the difference of the "
         "two ways to normalise 32 times enlarged.",
-        choices=DISPLAYS,
+        choices=DEBUG_VIEWS,
         group="Machinery",
         cost=Cost.PROGRAM,
     )

@@ -14,8 +14,8 @@ from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame, Tile
 from volviz.custom_gl.techniques.bump_mapping.maps import MapTextures
 from volviz.custom_gl.techniques.bump_mapping.mesh_surface import MeshData, file_mesh, isosurface_mesh
-from volviz.custom_gl.techniques.bump_mapping.settings import DISPLAYS
-from volviz.custom_gl.techniques.bump_mapping.surfaces import polygons, vertex_data
+from volviz.custom_gl.techniques.bump_mapping.receivers import polygons, vertex_data
+from volviz.custom_gl.techniques.bump_mapping.settings import DEBUG_VIEWS
 from volviz.tasks import LatestResult, Work
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ TILES = 4
 CHUNK_VERTICES = 3 * 40_000
 
 _ENCODINGS = {"float": 0, "bytes": 1, "bytes_classic": 2}
-_DISPLAYS = {name: number for number, (name, _) in enumerate(DISPLAYS)}
+_DEBUG_VIEWS = {name: number for number, (name, _) in enumerate(DEBUG_VIEWS)}
 _OVER = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 _MODULATE = (moderngl.DST_COLOR, moderngl.ZERO)
 _ATTRIBUTES = (("3f", "a_position"), ("3f", "a_normal"), ("4f", "a_tangent"), ("2f", "a_uv"))
@@ -51,7 +51,7 @@ class _Part:
     first, count : int
         Vertices of the surface or of a part of the mesh.
     band : Tile
-        Part of the picture.
+        Part of the image.
     """
 
     stage: str
@@ -61,12 +61,12 @@ class _Part:
 
 
 class BumpMapping:
-    """Draws flat surfaces in bands of the picture, and meshes some triangles at a time.
+    """Draws flat surfaces in bands of the image, and meshes some triangles at a time.
 
     Attributes
     ----------
     notice : str
-        What people should know of the last picture; empty when it is as they would expect.
+        What people should know of the last image; empty when it is as they would expect.
     """
 
     writes_depth = True
@@ -171,7 +171,7 @@ class BumpMapping:
 
     def _update_mesh(self, frame: Frame) -> bool:
         s = frame.settings
-        key, make = self._wish(frame)
+        key, make = self._request(frame)
         mesh = self._mesh.get(frame.tasks, key, make)
         held = self._geometry
         if mesh is None:
@@ -185,7 +185,7 @@ class BumpMapping:
             self._ranges = [(0, 0, mesh.faces.size)]
         return True
 
-    def _wish(self, frame: Frame) -> tuple[Any, Work[MeshData]]:
+    def _request(self, frame: Frame) -> tuple[Any, Work[MeshData]]:
         """What identifies the mesh that is wanted, and how it is made; neither refers to the frame."""
         s, volume = frame.settings, frame.volume
         if s.mesh_file:
@@ -228,7 +228,7 @@ class BumpMapping:
                 "DOT3_ALPHA": s.dot3 == "rgba" and s.display in {"image", "diffuse"},
                 "VERTEX_LIGHTING": s.lighting == "vertex" and stage != "depth",
                 "SELF_SHADOWING": bool(s.self_shadowing),
-                "DISPLAY": _DISPLAYS[s.display],
+                "DISPLAY": _DEBUG_VIEWS[s.display],
             },
             many_vertices=True,
         )

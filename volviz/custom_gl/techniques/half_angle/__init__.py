@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.half_angle.oracle import shadowed_rays
-from volviz.custom_gl.techniques.half_angle.settings import DISPLAYS, HalfAngleSettings
+from volviz.custom_gl.techniques.half_angle.settings import DEBUG_VIEWS, HalfAngleSettings
 from volviz.custom_gl.techniques.half_angle.study import study
 from volviz.custom_gl.techniques.half_angle.technique import HalfAngle
 
@@ -14,8 +14,8 @@ TECHNIQUE = TechniqueInfo(
     summary="Slices half-way between view and light carry the light through the volume: volumetric shadows.",
     settings=HalfAngleSettings,
     create=HalfAngle,
-    handles=("light",),
-    displays=DISPLAYS,
+    manipulators=("light",),
+    debug_views=DEBUG_VIEWS,
     classic={
         "slices": 256,
         "density_threshold": 0.1,

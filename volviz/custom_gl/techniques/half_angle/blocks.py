@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.scalars import BRICK
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.half_angle.light_path import Array
 from volviz.kernels.bricks import grow_occupancy
 from volviz.kernels.slices import crop_corners, slice_polygons
-from volviz.model.volume import Volume
+from volviz.volume_data.scalars import BRICK
+from volviz.volume_data.volume import Volume
 
 Crop = tuple[float, float, float, float, float, float]
 Occupied = npt.NDArray[np.bool_]

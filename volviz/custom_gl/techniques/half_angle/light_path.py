@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 
 #: A light nearer to the box than this share of the box's diagonal counts as inside.
 NEAREST_LIGHT = 0.02
-#: Pixels around the box's picture that stay white in the light buffer.
+#: Pixels around the box's image that stay white in the light buffer.
 MARGIN = 2.0
 
 
@@ -116,7 +116,7 @@ def is_inside(light: Array, corners: Array, world_to_index: Array, low: Array, h
 def light_matrix(light: Array, corners: Array, size: int) -> Array:
     """World to the light's clip space, fitted to a box; clip z is 0.
 
-    The axes of the light's picture follow the box, never a fixed up direction, so a light straight above is
+    The axes of the light's image follow the box, never a fixed up direction, so a light straight above is
     like any other.
 
     Parameters
@@ -135,7 +135,7 @@ def light_matrix(light: Array, corners: Array, size: int) -> Array:
     """
     edges = [unit(corners[1 << axis] - corners[0]) for axis in range(3)]
     forward = _forward(light, corners, edges)
-    # the edge that is most perpendicular to the light's axis lies level in its picture
+    # the edge that is most perpendicular to the light's axis lies level in its image
     level = edges[int(np.argmin([abs(edge @ forward) for edge in edges]))]
     right = unit(level - (level @ forward) * forward)
     up = np.cross(right, forward)

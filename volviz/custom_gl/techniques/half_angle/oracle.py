@@ -12,7 +12,7 @@ from volviz.custom_gl.oracles import OracleScene
 
 def shadowed_rays(scene: OracleScene, settings: Any) -> npt.NDArray[np.float64]:
     """Volumetric shadows: premultiplied RGBA of shape (H, W, 4), row 0 at the top."""
-    from volviz.kernels.reference_shadows import reference_shadows
+    from volviz.reference.shadows import reference_shadows
 
     light = scene.light
     eye = np.linalg.inv(scene.view)[:3, 3]

@@ -9,7 +9,7 @@ from volviz.model.parameters import Cost, parameter
 
 MIN_SLICES, MAX_SLICES = 8, 2048
 
-DISPLAYS = (("image", "Image"), ("light_buffer", "Light buffer"))
+DEBUG_VIEWS = (("image", "Image"), ("light_buffer", "Light buffer"))
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class HalfAngleSettings(ShadingSettings):
         "image",
         "Show",
         "The picture, or what is left of the light behind the last slice.",
-        choices=DISPLAYS,
+        choices=DEBUG_VIEWS,
         group="Machinery",
         cost=Cost.PROGRAM,
     )

@@ -59,7 +59,7 @@ class Slabs:
         Parameters
         ----------
         frame : Frame
-            The picture to draw.
+            The image to draw.
         slicing : Slicing
             Normal of the slices.
         view : ndarray of shape (3,)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from volviz.custom_gl.study import Study, diagonal
 from volviz.custom_gl.techniques.half_angle.oracle import is_exact
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
-#: There are at most 2048 slices; the finest picture has a few less, or this step.
+#: There are at most 2048 slices; the finest image has a few less, or this step.
 SLICES, FINEST_STEP = 2000, 0.2
-#: Largest pictures that are drawn.
+#: Largest images that are drawn.
 PIXELS = 160 * 120
 
 

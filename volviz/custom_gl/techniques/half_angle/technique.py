@@ -45,7 +45,7 @@ class HalfAngle:
     Attributes
     ----------
     notice : str
-        What people should know of the last picture; empty when it is as they would expect.
+        What people should know of the last image; empty when it is as they would expect.
     """
 
     def __init__(self) -> None:
@@ -140,7 +140,7 @@ class HalfAngle:
     # ------------------------------------------------------------------ drawing
 
     def draw(self, frame: Frame, chunk: int) -> None:
-        """A range of slices; the last chunk puts the light buffer into the picture when it is to be shown."""
+        """A range of slices; the last chunk puts the light buffer into the image when it is to be shown."""
         if chunk < len(self._ranges):
             self._draw_slices(frame, *self._ranges[chunk])
         elif frame.settings.display == "light_buffer":
@@ -193,7 +193,7 @@ class HalfAngle:
     def _light_buffer(self, frame: Frame) -> Target:
         """Light that is left after the slices so far, with linear filter.
 
-        The box's picture leaves the outermost pixels white, so that clamped look-ups beside it find white, as
+        The box's image leaves the outermost pixels white, so that clamped look-ups beside it find white, as
         a white border colour would give.
         """
         size = self._buffer_size(frame)

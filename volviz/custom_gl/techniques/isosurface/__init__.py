@@ -5,11 +5,11 @@ from __future__ import annotations
 from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.study import Study
 from volviz.custom_gl.technique import TechniqueInfo
-from volviz.custom_gl.techniques.isosurface.settings import DISPLAYS, IsosurfaceSettings
+from volviz.custom_gl.techniques.isosurface.settings import DEBUG_VIEWS, IsosurfaceSettings
 from volviz.custom_gl.techniques.isosurface.technique import Isosurface, pick
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
-#: Bisections that are tried when convergence is measured, and those of the converged picture.
+#: Bisections that are tried when convergence is measured, and those of the converged image.
 BISECTIONS, REFERENCE_BISECTIONS = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0), 14
 
 
@@ -26,7 +26,7 @@ TECHNIQUE = TechniqueInfo(
     create=Isosurface,
     pick=pick,
     isovalue_setting="isovalues",
-    displays=DISPLAYS,
+    debug_views=DEBUG_VIEWS,
     classic={
         "isovalues": (40.0,),
         "colors": ((0.5, 0.5, 0.5),),

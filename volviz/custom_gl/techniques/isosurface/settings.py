@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from volviz.custom_gl.shared_settings import SurfaceSettings
+from volviz.custom_gl.counterpart_settings import MeshMaterialSettings
 from volviz.model.parameters import Cost, parameter
 
 #: Longest step in voxels, while something moves as well: with longer ones than a brick, the test for empty bricks
 #: would miss surfaces between two samples.
 MAX_STEP = 8.0
 
-DISPLAYS = (
+DEBUG_VIEWS = (
     ("image", "Image"),
     ("positions", "Positions"),
     ("normals", "Normals"),
@@ -20,7 +20,7 @@ DISPLAYS = (
 
 
 @dataclass(frozen=True)
-class IsosurfaceSettings(SurfaceSettings):
+class IsosurfaceSettings(MeshMaterialSettings):
     """Which surfaces are shown, how they look and how exactly they are found."""
 
     bisections: int = parameter(
@@ -47,7 +47,7 @@ class IsosurfaceSettings(SurfaceSettings):
         "Show",
         "The picture; the points of the nearest surface as texture coordinates; its world normals, 0.5 being "
         "zero; or how many samples each ray took, from black to white.",
-        choices=DISPLAYS,
+        choices=DEBUG_VIEWS,
         group="Machinery",
         cost=Cost.PROGRAM,
     )

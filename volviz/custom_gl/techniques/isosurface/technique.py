@@ -10,8 +10,8 @@ import moderngl
 from volviz.custom_gl.picking import Picked, Sight, surface
 from volviz.custom_gl.ray_march import draw_tile
 from volviz.custom_gl.shader_source import GLSL
+from volviz.custom_gl.techniques.isosurface.isovalues import shown_surfaces
 from volviz.custom_gl.techniques.isosurface.settings import MAX_STEP
-from volviz.custom_gl.techniques.isosurface.surfaces import shown_surfaces
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame

@@ -1,4 +1,4 @@
-"""The oracle's picture of a frame, of plain values, so that any thread can compute it."""
+"""The oracle's image of a frame, of plain values, so that any thread can compute it."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.kernels.reference import Shading, reference_render
-from volviz.model.transfer_function import MAX_TABLE, TransferFunction, table_size
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction, table_size
+from volviz.reference.image import Shading, reference_render
+from volviz.volume_data.volume import Volume
 
-Picture = npt.NDArray[np.float64]
+Image = npt.NDArray[np.float64]
 
 #: Entries of the table where the data do not name a number: so many that none of ours is finer.
 FINE_TABLE = 2**16 + 1
 #: Entries over value and gradient.
-REGION_TABLE = (1536, 1024)
+TABLE_2D_SIZE = (1536, 1024)
 
 
 @dataclass(frozen=True)
-class Wish:
-    """Everything that the picture depends on; equal wishes have equal pictures.
+class OracleRequest:
+    """Everything that the image depends on; equal requests have equal images.
 
     Attributes
     ----------
@@ -56,28 +56,28 @@ class Wish:
     light_color: tuple[float, float, float]
 
 
-def computed(wish: Wish, progress: Any = None, cancel: Any = None) -> Picture:
-    """The oracle's picture: premultiplied RGBA, shape (height, width, 4), row 0 at the top."""
-    volume, settings = wish.volume, wish.settings
+def computed(request: OracleRequest, progress: Any = None, cancel: Any = None) -> Image:
+    """The oracle's image: premultiplied RGBA, shape (height, width, 4), row 0 at the top."""
+    volume, settings = request.volume, request.settings
     scalar = settings.mode == "attenuated_maximum"
-    table_range = volume.range if scalar else wish.function.oracle_range(volume.range)
+    table_range = volume.range if scalar else request.function.oracle_range(volume.range)
     entries = table_size(table_range, volume.array.dtype.kind in "iu")
     if entries == MAX_TABLE:
         entries = FINE_TABLE
     shading = None
     if settings.shading:
         shading = Shading(
-            settings.ambient, settings.diffuse, settings.specular, settings.shininess, wish.light,
-            wish.light_color, settings.gradient_delta,
+            settings.ambient, settings.diffuse, settings.specular, settings.shininess, request.light,
+            request.light_color, settings.gradient_delta,
         )  # fmt: skip
-    regions = _regions(wish)
+    regions = _regions(request)
     return reference_render(
         volume.array, volume.spacing, volume.origin, volume.direction,
-        table=wish.function.bake(table_range, entries), value_range=volume.range, table_range=table_range,
-        view=np.reshape(wish.view, (4, 4)), projection=np.reshape(wish.projection, (4, 4)), size=wish.size,
-        step_world=wish.step, first_sample=settings.first_sample, unit_distance=wish.unit_distance,
+        table=request.function.bake(table_range, entries), value_range=volume.range, table_range=table_range,
+        view=np.reshape(request.view, (4, 4)), projection=np.reshape(request.projection, (4, 4)), size=request.size,
+        step_world=request.step, first_sample=settings.first_sample, unit_distance=request.unit_distance,
         mode=settings.mode, attenuation=settings.attenuation, early_termination=settings.early_termination,
-        shading=shading, gradient_opacity=settings.gradient_opacity, crop=wish.crop, clip_planes=wish.planes,
+        shading=shading, gradient_opacity=settings.gradient_opacity, crop=request.crop, clip_planes=request.planes,
         interpolation=settings.interpolation,
         preintegrated=settings.preintegrated and settings.mode == "composite" and not regions,
         density_threshold=settings.density_threshold, gradient_delta=settings.gradient_delta,
@@ -85,12 +85,12 @@ def computed(wish: Wish, progress: Any = None, cancel: Any = None) -> Picture:
     )  # fmt: skip
 
 
-def _regions(wish: Wish) -> dict[str, Any]:
+def _regions(request: OracleRequest) -> dict[str, Any]:
     """Arguments of the oracle for regions over value and gradient, where the function has any to be drawn."""
-    regions = wish.function.by_gradient
+    regions = request.function.by_gradient
     if regions is None or not regions.regions:
         return {}
     top = max(region.gradient_high for region in regions.regions) * 1.01
-    table = regions.bake(wish.volume.range, (0.0, top), REGION_TABLE)
-    table[..., 3] *= wish.function.opacity
+    table = regions.bake(request.volume.range, (0.0, top), TABLE_2D_SIZE)
+    table[..., 3] *= request.function.opacity
     return {"gradient_table": table, "gradient_range": (0.0, top)}

@@ -1,4 +1,4 @@
-"""Shows pictures of the float64 oracle, computed in the background."""
+"""Shows images of the float64 oracle, computed in the background."""
 
 from __future__ import annotations
 
@@ -9,61 +9,61 @@ import numpy as np
 
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.techniques.reference.computing import Picture, Wish, computed
+from volviz.custom_gl.techniques.reference.computing import Image, OracleRequest, computed
 from volviz.tasks import LatestResult
 
-#: Rows of a picture while something moves.
+#: Rows of an image while something moves.
 MOVING_ROWS = 64
 
 
 class Reference:
-    """The picture of `volviz.kernels.reference`, one block for each of its pixels."""
+    """The image of `volviz.reference.image`, one block for each of its pixels."""
 
     within_tiles = True
-    #: The picture is the exact one of its rays, and takes long.
+    #: The image is the exact one of its rays, and takes long.
     accumulates = False
 
     def __init__(self) -> None:
-        self._pictures: LatestResult[Wish, Picture] = LatestResult("reference")
+        self._images: LatestResult[OracleRequest, Image] = LatestResult("reference")
         self._texture: Any = None
         self._shown: Any = None
 
     def plan(self, frame: Frame) -> int:
-        """One chunk per tile when the picture is there, 0 while it is computed."""
-        wish = self._wish(frame)
-        picture = self._pictures.get(
-            frame.tasks, wish, lambda progress, cancel: computed(wish, progress, cancel)
+        """One chunk per tile when the image is there, 0 while it is computed."""
+        request = self._request(frame)
+        image = self._images.get(
+            frame.tasks, request, lambda progress, cancel: computed(request, progress, cancel)
         )
-        if picture is None:
+        if image is None:
             return 0
-        if self._shown is not picture:
+        if self._shown is not image:
             self._release_texture()
-            height, width, _ = picture.shape
+            height, width, _ = image.shape
             # row 0 of the oracle is the top, of a texture the bottom
-            data = np.ascontiguousarray(picture[::-1], np.float32)
+            data = np.ascontiguousarray(image[::-1], np.float32)
             self._texture = frame.gpu.gl.texture((width, height), 4, data.tobytes(), dtype="f4")
             self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-            self._shown = picture
+            self._shown = image
             frame.gpu.uploads += 1
         return max(len(frame.tiles), 1)
 
     def draw(self, frame: Frame, chunk: int) -> None:
-        """Put a tile of the picture into the target, enlarged as it is."""
+        """Put a tile of the image into the target, enlarged as it is."""
         if not frame.tiles:
             return
         gpu = frame.gpu
         program = gpu.programs.get(
             GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": False, "SCENE_DEPTH": False}
         )
-        program.set({"u_picture_size": tuple(float(n) for n in self._texture.size), "u_weight": 1.0})
-        program.use_texture("t_picture", self._texture)
+        program.set({"u_image_size": tuple(float(n) for n in self._texture.size), "u_weight": 1.0})
+        program.use_texture("t_image", self._texture)
         gpu.gl.scissor = frame.tiles[chunk]
         gpu.draw_fullscreen(program)
         gpu.gl.scissor = None
 
     def release(self) -> None:
-        """Release the texture and forget the picture; the context is current."""
-        self._pictures.clear()
+        """Release the texture and forget the image; the context is current."""
+        self._images.clear()
         self._release_texture()
 
     def _release_texture(self) -> None:
@@ -72,13 +72,13 @@ class Reference:
         self._texture = self._shown = None
 
     @staticmethod
-    def _wish(frame: Frame) -> Wish:
+    def _request(frame: Frame) -> OracleRequest:
         width, height = frame.size
         limit = frame.settings.resolution
         rows = height if limit is None else min(limit, height)
         if frame.interactive:
             rows = min(rows, MOVING_ROWS)
-        return Wish(
+        return OracleRequest(
             volume=frame.volume,
             function=frame.transfer_function,
             settings=frame.settings,

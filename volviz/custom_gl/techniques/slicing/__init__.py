@@ -6,7 +6,7 @@ from volviz.custom_gl.oracles import sampled_rays
 from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.slicing.polygons import view_slices
-from volviz.custom_gl.techniques.slicing.settings import DISPLAYS, SlicingSettings
+from volviz.custom_gl.techniques.slicing.settings import DEBUG_VIEWS, SlicingSettings
 from volviz.custom_gl.techniques.slicing.technique import Slicing
 
 TECHNIQUE = TechniqueInfo(
@@ -15,7 +15,7 @@ TECHNIQUE = TechniqueInfo(
     summary="Polygons perpendicular to the view, textured with the volume and blended back to front.",
     settings=SlicingSettings,
     create=Slicing,
-    displays=DISPLAYS,
+    debug_views=DEBUG_VIEWS,
     classic={"slices": 256},
     by_gradient=True,
     inert={

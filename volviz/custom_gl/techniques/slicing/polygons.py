@@ -122,9 +122,9 @@ def view_slices(
     low, high = box_distance_range(corners, direction)
     padding = EPSILON * (high - low)
     low, high = low - padding, high + padding
-    return low, high, settings.slices or wanted_slices(high - low, step)
+    return low, high, settings.slices or requested_slices(high - low, step)
 
 
-def wanted_slices(depth: float, step: float) -> int:
+def requested_slices(depth: float, step: float) -> int:
     """Number of slices over a depth that are no farther apart than the step, within the limits."""
     return min(max(math.ceil(depth / step - 1e-9), MIN_SLICES), MAX_SLICES)

@@ -9,7 +9,7 @@ from volviz.model.parameters import Cost, parameter
 
 MIN_SLICES, MAX_SLICES = 8, 2048
 
-DISPLAYS = (("image", "Image"), ("wireframe", "Slice polygons"), ("both", "Image and polygons"))
+DEBUG_VIEWS = (("image", "Image"), ("wireframe", "Slice polygons"), ("both", "Image and polygons"))
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class SlicingSettings(ShadingSettings, SamplingSettings):
         "image",
         "Show",
         "The picture, the polygons it is made of, or both.",
-        choices=DISPLAYS,
+        choices=DEBUG_VIEWS,
         group="Machinery",
         cost=Cost.PROGRAM,
     )

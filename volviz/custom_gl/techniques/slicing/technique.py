@@ -163,7 +163,7 @@ class Slicing:
     def _draw_outlines(self, frame: Frame) -> None:
         gl = frame.gpu.gl
         program = frame.program(_HERE / "slicing.vert", _HERE / "outline.frag")
-        # the more slices, the fainter each: together they must not fill the picture
+        # the more slices, the fainter each: together they must not fill the image
         alpha = min(1.0, 0.12 + 8.0 / max(self.polygons.count, 1))
         program.set({"u_outline_color": (0.25 * alpha, 0.75 * alpha, 1.0 * alpha, alpha)})
         gl.enable_only(moderngl.BLEND)

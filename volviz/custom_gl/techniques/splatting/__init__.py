@@ -6,7 +6,7 @@ from volviz.custom_gl.oracles import isosurfaces
 from volviz.custom_gl.picking import Picked, Sight, first_visible, on_isovalue
 from volviz.custom_gl.study import splat_lattices
 from volviz.custom_gl.technique import TechniqueInfo
-from volviz.custom_gl.techniques.splatting.settings import DISPLAYS, SplattingSettings
+from volviz.custom_gl.techniques.splatting.settings import DEBUG_VIEWS, SplattingSettings
 from volviz.custom_gl.techniques.splatting.technique import Splatting
 
 
@@ -23,11 +23,11 @@ TECHNIQUE = TechniqueInfo(
     create=Splatting,
     pick=_pick,
     isovalue_setting="isovalue",
-    displays=DISPLAYS,
+    debug_views=DEBUG_VIEWS,
     classic={
         "isovalue": 40.0,
         "splats_per_axis": 64,
-        # point size 2 x 4 / distance in a picture 480 pixels high with 60 degrees of view, in lattice distances
+        # point size 2 x 4 / distance in an image 480 pixels high with 60 degrees of view, in lattice distances
         "splat_size": 1.23,
         "splat_color": "classic",
         "blur_radius": 2.82,

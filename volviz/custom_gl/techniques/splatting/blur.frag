@@ -17,10 +17,10 @@ void main() {
     float total = 0.0;
     float nearest = 1.0;
     for (int i = -u_taps; i <= u_taps; ++i) {
-        ivec2 place = here + i * u_axis;
-        ivec2 inside = clamp(place, ivec2(0), size - 1);
+        ivec2 position = here + i * u_axis;
+        ivec2 inside = clamp(position, ivec2(0), size - 1);
         // beyond the window nothing is known: its share goes to the rest
-        float weight = inside == place ? exp(-u_falloff * float(i * i)) : 0.0;
+        float weight = inside == position ? exp(-u_falloff * float(i * i)) : 0.0;
         sum += weight * texelFetch(t_splats, inside, 0);
         total += weight;
         nearest = min(nearest, texelFetch(t_splat_depth, inside, 0).r);

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from volviz.custom_gl.counterpart_settings import SplatSettings
 from volviz.custom_gl.settings import SamplingSettings, ShadingSettings, taken_from
-from volviz.custom_gl.shared_settings import SplatSettings
 from volviz.model.parameters import parameter
 
-DISPLAYS = (("image", "Image"), ("splats", "Splats before the blur"))
+DEBUG_VIEWS = (("image", "Image"), ("splats", "Splats before the blur"))
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,6 @@ class SplattingSettings(SplatSettings):
         "image",
         "Show",
         "The picture, or the splats before they are blurred.",
-        choices=DISPLAYS,
+        choices=DEBUG_VIEWS,
         group="Machinery",
     )

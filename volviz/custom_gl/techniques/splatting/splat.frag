@@ -2,7 +2,7 @@
 flat in vec4 v_color;
 flat in float v_pixels;
 #if QUADS
-in vec2 v_place;
+in vec2 v_position;
 #endif
 out vec4 f_color;
 
@@ -17,11 +17,11 @@ const float REACH = 2.5;
 
 void main() {
 #if QUADS
-    vec2 place = v_place;
+    vec2 position = v_position;
 #else
-    vec2 place = gl_PointCoord * 2.0 - 1.0;
+    vec2 position = gl_PointCoord * 2.0 - 1.0;
 #endif
-    float radius = length(place);
+    float radius = length(position);
 #if GAUSSIAN
 #if SCENE_DEPTH
     if (textureLod(t_scene_depth, gl_FragCoord.xy / u_size, 0.0).r < gl_FragCoord.z) discard;

@@ -20,7 +20,7 @@ in float a_value;                    // fraction of the data range
 flat out vec4 v_color;               // straight colour; Gaussian: optical depth in the middle
 flat out float v_pixels;
 #if QUADS
-out vec2 v_place;                    // -1..1
+out vec2 v_position;                    // -1..1
 #endif
 
 const vec3 CLASSIC_COLOR = vec3(0.75, 0.5, 0.5);
@@ -54,8 +54,8 @@ void main() {
     if (!seen || !(clip.w > 0.0) || is_cropped(p) || is_clipped(p)) clip = vec4(2.0, 2.0, 2.0, 1.0);
     v_pixels = pixels;
 #if QUADS
-    v_place = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
-    clip.xy += v_place * pixels / u_size * clip.w;
+    v_position = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+    clip.xy += v_position * pixels / u_size * clip.w;
 #else
     gl_PointSize = pixels;
 #endif

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from volviz.custom_gl.splat_selection import splats_of
 from volviz.custom_gl.techniques.splatting.order import Eye, back_to_front, shuffled
-from volviz.model.volume import Volume
 from volviz.tasks import LatestResult, Tasks
+from volviz.volume_data.volume import Volume
 
 #: Floats per splat: voxel index (3), normal (3), fraction of the data range (1).
 FLOATS = 7
@@ -20,7 +20,7 @@ Packed = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
-class Wanted:
+class SplatRequest:
     """What is to be drawn.
 
     Attributes
@@ -53,8 +53,8 @@ class Wanted:
         """Equal for equal splats in equal order."""
         return self.selection, self.eye
 
-    def may_follow(self, other: Wanted) -> bool:
-        """Whether a moving picture may go on with the other splats until these are ready."""
+    def may_follow(self, other: SplatRequest) -> bool:
+        """Whether a moving image may go on with the other splats until these are ready."""
         return self.volume is other.volume and (self.eye is None) == (other.eye is None)
 
 
@@ -64,13 +64,13 @@ class Ready:
 
     Attributes
     ----------
-    wanted : Wanted
+    request : SplatRequest
         What was asked for.
     packed : ndarray of shape (N, 7), float32
         In drawing order.
     """
 
-    wanted: Wanted
+    request: SplatRequest
     packed: Packed
 
 
@@ -88,34 +88,34 @@ class SplatStore:
         # of the thread that makes the splats: another order needs no other selection
         self._selected: tuple[Any, Packed] | None = None
 
-    def get(self, tasks: Tasks, wanted: Wanted, *, may_follow: bool) -> Ready | None:
+    def get(self, tasks: Tasks, request: SplatRequest, *, may_follow: bool) -> Ready | None:
         """The splats, or None while they are being made.
 
         Parameters
         ----------
         tasks : Tasks
             Where they are made.
-        wanted : Wanted
+        request : SplatRequest
             What is to be drawn.
         may_follow : bool
-            Give the last splats as long as these are not ready, where that is possible (`Wanted.may_follow`).
+            Give the last splats as long as these are not ready, where that is possible (`SplatRequest.may_follow`).
         """
-        ready = self._ready.get(tasks, wanted.key, lambda _progress, _cancel: self._made(wanted))
+        ready = self._ready.get(tasks, request.key, lambda _progress, _cancel: self._made(request))
         last = self._ready.last
-        if ready is None and may_follow and last is not None and wanted.may_follow(last.wanted):
+        if ready is None and may_follow and last is not None and request.may_follow(last.request):
             return last
         return ready
 
-    def _made(self, wanted: Wanted) -> Ready:
+    def _made(self, request: SplatRequest) -> Ready:
         selected = self._selected
-        if selected is None or selected[0] != wanted.selection:
-            selected = self._selected = (wanted.selection, pack(wanted))
+        if selected is None or selected[0] != request.selection:
+            selected = self._selected = (request.selection, pack(request))
         packed = selected[1]
-        if wanted.eye is None:
+        if request.eye is None:
             order = shuffled(len(packed))
         else:
-            order = back_to_front(packed[:, :3], wanted.eye, wanted.volume.index_to_world)
-        return Ready(wanted, packed[order])
+            order = back_to_front(packed[:, :3], request.eye, request.volume.index_to_world)
+        return Ready(request, packed[order])
 
     def clear(self) -> None:
         """Forget everything."""
@@ -123,11 +123,11 @@ class SplatStore:
         self._selected = None
 
 
-def pack(wanted: Wanted) -> Packed:
+def pack(request: SplatRequest) -> Packed:
     """Select splats: rows of voxel index, unit normal in the world and fraction of the data range."""
-    volume = wanted.volume
+    volume = request.volume
     low, high = volume.range
-    splats = splats_of(volume, wanted.isovalue, wanted.per_axis, cull=wanted.cull)
+    splats = splats_of(volume, request.isovalue, request.per_axis, cull=request.cull)
     packed = np.empty((len(splats.values), FLOATS), np.float32)
     packed[:, :3] = splats.positions
     packed[:, 3:6] = splats.normals

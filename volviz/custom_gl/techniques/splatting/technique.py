@@ -15,13 +15,13 @@ from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.splat_selection import SIGMA_PER_DIAMETER, lattice_steps
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.techniques.splatting.store import Ready, SplatStore, Wanted
+from volviz.custom_gl.techniques.splatting.store import Ready, SplatRequest, SplatStore
 
 _HERE = Path(__file__).parent
 
 #: Splats that one chunk draws: about 20 ms on software OpenGL.
 BLOCK = 65536
-#: Rows of the picture that one chunk of the blur covers.
+#: Rows of the image that one chunk of the blur covers.
 STRIP = 64
 #: Splats that are drawn in any case while something moves.
 FEWEST_SPLATS = 20000
@@ -63,7 +63,7 @@ class _Layout:
 
 
 class Splatting:
-    """Draws blocks of splats into a target of its own and blurs that into the picture."""
+    """Draws blocks of splats into a target of its own and blurs that into the image."""
 
     #: Discs are surfaces: the host writes their depth.
     writes_depth = True
@@ -112,8 +112,8 @@ class Splatting:
             per_axis = min(per_axis or COARSE_LATTICE, COARSE_LATTICE)
         # a cut lays bare what would be hidden
         cull = not translucent and whole and not frame.planes
-        wanted = Wanted(volume, frame.isovalues[0], per_axis, cull, eye)
-        return self._stores[coarse].get(frame.tasks, wanted, may_follow=frame.interactive)
+        request = SplatRequest(volume, frame.isovalues[0], per_axis, cull, eye)
+        return self._stores[coarse].get(frame.tasks, request, may_follow=frame.interactive)
 
     def _upload(self, frame: Frame, ready: Ready) -> None:
         if self._held is ready:
@@ -130,7 +130,7 @@ class Splatting:
     def _arrange(self, frame: Frame, ready: Ready) -> _Layout:
         settings, volume = frame.settings, frame.volume
         total = count = len(ready.packed)
-        steps = lattice_steps(volume, ready.wanted.per_axis)
+        steps = lattice_steps(volume, ready.request.per_axis)
         diameter = settings.splat_size * float((steps * volume.spacing).max())
         cell = float(abs(np.linalg.det(volume.index_to_world[:3, :3])) * np.prod(steps))
         fraction = frame.size[1] / frame.window_size[1]

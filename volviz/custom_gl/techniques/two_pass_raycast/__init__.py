@@ -5,7 +5,7 @@ from __future__ import annotations
 from volviz.custom_gl.oracles import sampled_rays
 from volviz.custom_gl.study import sample_distances
 from volviz.custom_gl.technique import TechniqueInfo
-from volviz.custom_gl.techniques.two_pass_raycast.settings import DISPLAYS, TwoPassSettings
+from volviz.custom_gl.techniques.two_pass_raycast.settings import DEBUG_VIEWS, TwoPassSettings
 from volviz.custom_gl.techniques.two_pass_raycast.technique import TwoPassRaycast
 
 TECHNIQUE = TechniqueInfo(
@@ -14,7 +14,7 @@ TECHNIQUE = TechniqueInfo(
     summary="The box's faces drawn as colours tell each ray where it leaves; a second pass marches it.",
     settings=TwoPassSettings,
     create=TwoPassRaycast,
-    displays=DISPLAYS,
+    debug_views=DEBUG_VIEWS,
     classic={"half_float": True, "step": 0.25, "first_sample": 1.0, "early_termination": 1.0},
     by_gradient=True,
     inert={

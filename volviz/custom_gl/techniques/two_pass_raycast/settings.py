@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from volviz.custom_gl.settings import PreintegrationSettings, SamplingSettings, ShadingSettings
 from volviz.model.parameters import Cost, parameter
 
-DISPLAYS = (("image", "Image"), ("entry", "Entry points"), ("exit", "Exit points"))
+DEBUG_VIEWS = (("image", "Image"), ("entry", "Entry points"), ("exit", "Exit points"))
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class TwoPassSettings(PreintegrationSettings, ShadingSettings, SamplingSettings)
         "Show",
         "The picture, or the points where rays enter or leave the box as colours: red, green and blue are "
         "the texture coordinates x, y and z.",
-        choices=DISPLAYS,
+        choices=DEBUG_VIEWS,
         group="Machinery",
         cost=Cost.PROGRAM,
     )

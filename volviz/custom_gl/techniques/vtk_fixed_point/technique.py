@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.vtk_props.border import vtkFixedPointVolumeRayCastMapper
-from volviz.custom_gl.vtk_props.volumes import VolumeProp
+from volviz.custom_gl.vtk_props.volume_props import VolumeProp
+from volviz.custom_gl.vtk_props.vtk_imports import vtkFixedPointVolumeRayCastMapper
 
 
 class VtkFixedPoint(VolumeProp):
     """`vtkFixedPointVolumeRayCastMapper`, a ray for each pixel."""
 
-    #: It computes the whole picture and then shows it as one texture.
+    #: It computes the whole image and then shows it as one texture.
     by_tiles = False
 
     def __init__(self) -> None:
@@ -29,6 +29,6 @@ class VtkFixedPoint(VolumeProp):
         """The step, also where VTK thinks that something moves."""
         self.mapper.SetSampleDistance(frame.step_world)
         self.mapper.SetInteractiveSampleDistance(frame.step_world)
-        # also without meshes: else the picture is put at the depth of the volume's middle, and is lost with the
+        # also without meshes: else the image is put at the depth of the volume's middle, and is lost with the
         # middle behind the eye
         self.mapper.IntermixIntersectingGeometryOn()

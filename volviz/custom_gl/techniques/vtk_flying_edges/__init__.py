@@ -9,7 +9,7 @@ from volviz.custom_gl.picking import on_isovalue
 from volviz.custom_gl.study import mesh_strides
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.vtk_props.matching import MESHES
-from volviz.custom_gl.vtk_props.settings import VtkSurfaceSettings
+from volviz.custom_gl.vtk_props.settings import VtkMeshSettings
 
 
 def _create() -> Any:
@@ -23,7 +23,7 @@ TECHNIQUE = TechniqueInfo(
     id="vtk_flying_edges",
     label="VTK: Flying edges",
     summary="The isosurface as a mesh, by VTK's fastest filter (vtkFlyingEdges3D).",
-    settings=VtkSurfaceSettings,
+    settings=VtkMeshSettings,
     create=_create,
     pick=on_isovalue,
     isovalue_setting="isovalue",

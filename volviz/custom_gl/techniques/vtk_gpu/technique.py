@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from volviz.custom_gl.vtk_props.volumes import GpuVolumeProp
+from volviz.custom_gl.vtk_props.volume_props import GpuVolumeProp
 
 
 class VtkGpu(GpuVolumeProp):

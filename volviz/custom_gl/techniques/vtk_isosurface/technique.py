@@ -6,7 +6,7 @@ from typing import Any
 
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.vtk_props.images import PlacedImage
-from volviz.custom_gl.vtk_props.volumes import GpuVolumeProp
+from volviz.custom_gl.vtk_props.volume_props import GpuVolumeProp
 
 
 class VtkIsosurface(GpuVolumeProp):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from volviz.custom_gl.vtk_props.border import vtkMarchingCubes
-from volviz.custom_gl.vtk_props.surfaces import SurfaceProp
+from volviz.custom_gl.vtk_props.mesh_props import MeshProp
+from volviz.custom_gl.vtk_props.vtk_imports import vtkMarchingCubes
 
 
-class VtkMarchingCubes(SurfaceProp):
+class VtkMarchingCubes(MeshProp):
     """`vtkMarchingCubes` and VTK's polygon mapper."""
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Pictures of colours and normals on a plane through a volume."""
+"""Images of colours and normals on a plane through a volume."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.kernels.tangents import plane_basis
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
 
@@ -19,8 +19,8 @@ VOXELS_HIGH = 6.0
 SHOWN = 0.005
 
 
-class PlaneWish(NamedTuple):
-    """What the pictures depend on; equal wishes have equal pictures.
+class PlaneRequest(NamedTuple):
+    """What the images depend on; equal requests have equal images.
 
     `normal` points to the side that is seen; `corners` is the (cropped) box as a tuple of 8 points; `settings` an
     instance of the technique's settings.
@@ -38,7 +38,7 @@ class PlaneWish(NamedTuple):
 
 
 class PlaneMaps(NamedTuple):
-    """Pictures of a rectangle in the world.
+    """Images of a rectangle in the world.
 
     Attributes
     ----------
@@ -58,32 +58,32 @@ class PlaneMaps(NamedTuple):
     normals: npt.NDArray[np.uint8]
 
 
-def plane_maps(wish: PlaneWish) -> PlaneMaps:
+def plane_maps(request: PlaneRequest) -> PlaneMaps:
     """Sample a volume on a plane: colours by the transfer function, normals by the slope of the data.
 
     The normal at a point is norm(n - h (t (t . g) + b (b . g))) with g the gradient as a fraction of the data range
     (Blinn 1978, for a flat surface).
     """
-    volume, settings = wish.volume, wish.settings
+    volume, settings = request.volume, request.settings
     axes = volume.direction
-    tangent, binormal, normal = plane_basis(wish.normal, [axes[:, 2], axes[:, 1], axes[:, 0]])
-    origin = np.asarray(wish.origin)
-    local = np.asarray(wish.corners) - origin
+    tangent, binormal, normal = plane_basis(request.normal, [axes[:, 2], axes[:, 1], axes[:, 0]])
+    origin = np.asarray(request.origin)
+    local = np.asarray(request.corners) - origin
     u, v = local @ tangent, local @ binormal
     low, high = np.array([u.min(), v.min()]), np.array([u.max(), v.max()])
     size = np.maximum(high - low, 1e-12)
-    width, height = (max(int(n), 2) for n in np.ceil(wish.texels * size / size.max()))
+    width, height = (max(int(n), 2) for n in np.ceil(request.texels * size / size.max()))
     across = low[0] + size[0] * (np.arange(width) + 0.5) / width
     up = low[1] + size[1] * (np.arange(height) + 0.5) / height
     world = origin + across[None, :, None] * tangent + up[:, None, None] * binormal
     matrix = volume.world_to_index
     index = world @ matrix[:3, :3].T + matrix[:3, 3]
-    limits = np.asarray(wish.crop).reshape(3, 2)
+    limits = np.asarray(request.crop).reshape(3, 2)
     shown = np.all((index >= limits[:, 0]) & (index <= limits[:, 1]), axis=-1)
-    for point, kept in wish.planes:
+    for point, kept in request.planes:
         shown &= (world - np.asarray(point)) @ np.asarray(kept) >= 0
     values = sampled(volume, index)
-    rgba = wish.function.evaluate(values)
+    rgba = request.function.evaluate(values)
     alpha = np.clip(rgba[..., 3] / SHOWN, 0.0, 1.0) if settings.cut_out else np.ones_like(values)
     color = rgba[..., :3] if settings.color_source == "transfer_function" else np.asarray(settings.flat_color)
     colors = np.empty((height, width, 4))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from volviz.custom_gl.counterpart_settings import CutSettings
 from volviz.custom_gl.settings import taken_from
-from volviz.custom_gl.shared_settings import CutSettings
 from volviz.model.parameters import Cost, parameter
 
 

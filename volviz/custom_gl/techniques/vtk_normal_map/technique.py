@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.techniques.vtk_normal_map.plane_maps import PlaneMaps, PlaneWish, plane_maps
-from volviz.custom_gl.vtk_props import border as vtk
+from volviz.custom_gl.techniques.vtk_normal_map.plane_maps import PlaneMaps, PlaneRequest, plane_maps
+from volviz.custom_gl.vtk_props import vtk_imports as vtk
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.model.cut_plane import default_cut_plane
 from volviz.tasks import LatestResult
@@ -29,7 +29,7 @@ class VtkNormalMap:
     seconds_per_pixel = 1e-6
 
     def __init__(self) -> None:
-        self._maps: LatestResult[PlaneWish, PlaneMaps] = LatestResult("plane", cancels=False)
+        self._maps: LatestResult[PlaneRequest, PlaneMaps] = LatestResult("plane", cancels=False)
         self._shown: PlaneMaps | None = None
         self._volume: Any = None
         self.mapper = vtk.vtkPolyDataMapper()
@@ -56,8 +56,8 @@ class VtkNormalMap:
 
     def prepare(self, frame: Frame) -> bool:
         """Sample the plane in the background; True when there are maps to show."""
-        wish = _wish(frame)
-        maps = self._maps.get(frame.tasks, wish, lambda _progress, _cancel: plane_maps(wish))
+        request = _request(frame)
+        maps = self._maps.get(frame.tasks, request, lambda _progress, _cancel: plane_maps(request))
         if maps is None:
             if not frame.interactive or self._shown is None or self._volume is not frame.volume:
                 return False
@@ -106,7 +106,7 @@ class VtkNormalMap:
         self._shown = None
 
 
-def _wish(frame: Frame) -> PlaneWish:
+def _request(frame: Frame) -> PlaneRequest:
     settings, corners = frame.settings, frame.box_corners
     origin, normal = default_cut_plane(corners)
     origin = settings.plane_origin or origin
@@ -115,7 +115,7 @@ def _wish(frame: Frame) -> PlaneWish:
     if not frame.camera.parallel:
         away = np.dot(frame.camera.eye - np.asarray(origin), normal) < 0
     texels = min(settings.texels, MOVING_TEXELS) if frame.interactive else settings.texels
-    return PlaneWish(
+    return PlaneRequest(
         frame.volume,
         frame.transfer_function,
         # the light does not change what is sampled
@@ -130,7 +130,7 @@ def _wish(frame: Frame) -> PlaneWish:
 
 
 def _image(pixels: npt.NDArray[np.uint8]) -> Any:
-    """A picture as VTK's image; row 0 is the lowest."""
+    """An image as VTK's image; row 0 is the lowest."""
     height, width, channels = pixels.shape
     image = vtk.vtkImageData()
     image.SetDimensions(width, height, 1)

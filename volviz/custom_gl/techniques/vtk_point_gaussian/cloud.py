@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.splat_selection import SIGMA_PER_DIAMETER
-from volviz.custom_gl.vtk_props import border as vtk
+from volviz.custom_gl.vtk_props import vtk_imports as vtk
 from volviz.custom_gl.vtk_props.errors import ErrorWords
 from volviz.kernels.splats import Splats
-from volviz.model.transfer_function import TransferFunction
-from volviz.model.volume import Volume
+from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.volume import Volume
 
 #: A disc: nothing outside the radius, everything inside. VTK's own footprint is a Gaussian, the radius its deviation.
 _DISC = "//VTK::Color::Impl\nif (dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy) > 1.0) { discard; }\n"
@@ -23,7 +23,7 @@ class Cloud:
 
     def __init__(self) -> None:
         self._points: Splats | None = None
-        self._painted: tuple[TransferFunction, bool] | None = None
+        self._colored: tuple[TransferFunction, bool] | None = None
         self._disc: bool | None = None
         self.mapper = vtk.vtkPointGaussianMapper()
         self.mapper.EmissiveOff()
@@ -36,7 +36,7 @@ class Cloud:
         """Show these splats; nothing happens when they are shown already."""
         if self._points is splats:
             return
-        self._points, self._painted = splats, None
+        self._points, self._colored = splats, None
         to_world = volume.index_to_world
         world = splats.positions.astype(np.float64) @ to_world[:3, :3].T + to_world[:3, 3]
         points = vtk.vtkPoints()
@@ -48,10 +48,10 @@ class Cloud:
     def paint(self, function: TransferFunction, *, disc: bool) -> None:
         """Colours of a transfer function in data units, and its opacities unless they are discs."""
         if self._points is None or (
-            self._painted is not None and self._painted[0] is function and self._painted[1] == disc
+            self._colored is not None and self._colored[0] is function and self._colored[1] == disc
         ):
             return
-        self._painted = (function, disc)
+        self._colored = (function, disc)
         rgba = function.evaluate(self._points.values)
         if disc:
             rgba[:, 3] = 1.0
@@ -76,7 +76,7 @@ class Cloud:
         """Release what lies on the GPU; the context is current."""
         self.actor.ReleaseGraphicsResources(window)
         self.mapper.RemoveAllInputs()
-        self._points = self._painted = None
+        self._points = self._colored = None
 
 
 def _bytes(rgba: npt.NDArray[np.float64]) -> npt.NDArray[np.uint8]:

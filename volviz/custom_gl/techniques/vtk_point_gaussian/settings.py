@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from volviz.custom_gl.counterpart_settings import SplatSettings
 from volviz.custom_gl.settings import taken_from
-from volviz.custom_gl.shared_settings import SplatSettings
 
 
 @dataclass(frozen=True)

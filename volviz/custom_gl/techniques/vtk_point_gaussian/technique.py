@@ -9,10 +9,10 @@ import numpy as np
 from volviz.custom_gl.splat_selection import lattice_steps, splats_of
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.vtk_point_gaussian.cloud import Cloud
-from volviz.custom_gl.vtk_props.clipping import Plane, set_planes, shown_part
+from volviz.custom_gl.vtk_props.clipping import Plane, clip_planes_of, set_planes
 from volviz.kernels.splats import Splats
-from volviz.model.volume import Volume
 from volviz.tasks import LatestResult
+from volviz.volume_data.volume import Volume
 
 #: Clip planes that the mapper takes; what more would cut away is not handed to it.
 MAX_PLANES = 6
@@ -20,8 +20,8 @@ MAX_PLANES = 6
 MOVING_SPLATS, MOVING_SPLATS_HARDWARE = 40_000, 1_000_000
 
 
-class _Wish(NamedTuple):
-    """Which voxels; equal wishes give equal splats."""
+class _CloudRequest(NamedTuple):
+    """Which voxels; equal requests give equal splats."""
 
     volume: Volume
     isovalue: float
@@ -29,8 +29,8 @@ class _Wish(NamedTuple):
     cull: bool
     cuts: tuple[Plane, ...]
 
-    def may_follow(self, other: _Wish) -> bool:
-        """Whether a moving picture may go on with the other splats until these are ready."""
+    def may_follow(self, other: _CloudRequest) -> bool:
+        """Whether a moving image may go on with the other splats until these are ready."""
         return self.volume is other.volume and self.cull == other.cull
 
 
@@ -43,8 +43,8 @@ class VtkPointGaussian:
     seconds_per_pixel = 1e-6
 
     def __init__(self) -> None:
-        self._selected: LatestResult[_Wish, Splats] = LatestResult("splats", cancels=False)
-        self._wish: _Wish | None = None
+        self._selected: LatestResult[_CloudRequest, Splats] = LatestResult("splats", cancels=False)
+        self._request: _CloudRequest | None = None
         self._splats: Splats | None = None
         self._few: tuple[Splats, Splats] | None = None
         self.writes_depth = True
@@ -66,16 +66,18 @@ class VtkPointGaussian:
         """Select the voxels in the background; True when there are some to show."""
         settings, volume = frame.settings, frame.volume
         disc = settings.footprint == "disc"
-        planes = shown_part(frame)
+        planes = clip_planes_of(frame)
         # a cut lays bare what would be hidden
         cull = disc and not planes
-        wish = _Wish(volume, frame.isovalues[0], settings.splats_per_axis, cull, tuple(planes[MAX_PLANES:]))
-        splats = self._selected.get(frame.tasks, wish, lambda _progress, _cancel: _selected(wish))
+        request = _CloudRequest(
+            volume, frame.isovalues[0], settings.splats_per_axis, cull, tuple(planes[MAX_PLANES:])
+        )
+        splats = self._selected.get(frame.tasks, request, lambda _progress, _cancel: _selected(request))
         if splats is None:
-            if not frame.interactive or self._wish is None or not wish.may_follow(self._wish):
+            if not frame.interactive or self._request is None or not request.may_follow(self._request):
                 return False
         else:
-            self._wish, self._splats = wish, splats
+            self._request, self._splats = request, splats
         assert self._splats is not None
         splats, enlarged = self._splats, 1.0
         limit = MOVING_SPLATS if frame.gpu.limits.software else MOVING_SPLATS_HARDWARE
@@ -113,13 +115,13 @@ class VtkPointGaussian:
         self._splats = self._few = None
 
 
-def _selected(wish: _Wish) -> Splats:
-    """The splats of a wish, without those whose centres its cuts take away."""
-    volume = wish.volume
-    splats = splats_of(volume, wish.isovalue, wish.per_axis, cull=wish.cull)
-    if not wish.cuts:
+def _selected(request: _CloudRequest) -> Splats:
+    """The splats of a request, without those whose centres its cuts take away."""
+    volume = request.volume
+    splats = splats_of(volume, request.isovalue, request.per_axis, cull=request.cull)
+    if not request.cuts:
         return splats
     matrix = volume.index_to_world
     world = splats.positions @ matrix[:3, :3].T + matrix[:3, 3]
-    kept = np.all([(world - origin) @ normal >= 0.0 for origin, normal in wish.cuts], axis=0)
+    kept = np.all([(world - origin) @ normal >= 0.0 for origin, normal in request.cuts], axis=0)
     return Splats(splats.positions[kept], splats.normals[kept], splats.values[kept])

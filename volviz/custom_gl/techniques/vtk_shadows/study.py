@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from volviz.custom_gl.study import Study, diagonal
-from volviz.model.volume import Volume
+from volviz.volume_data.volume import Volume
 
-#: Finest step of a picture with a shadow ray from every sample, and most samples along the diagonal of the box. The
+#: Finest step of an image with a shadow ray from every sample, and most samples along the diagonal of the box. The
 #: work grows with the square of their number, and software OpenGL breaks loops off after 65,535 turns in all: with
 #: shorter steps the shadows are cut short without a word (on the MRI head below a step of 0.4).
 FINEST_STEP, SAMPLES = 0.5, 700
-#: Largest pictures that are drawn.
+#: Largest images that are drawn.
 PIXELS = 64 * 48
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.vtk_props.volumes import GpuVolumeProp
+from volviz.custom_gl.vtk_props.volume_props import GpuVolumeProp
 
 #: Part of the reach of shadow rays that is left while something moves.
 MOVING_REACH = 0.2

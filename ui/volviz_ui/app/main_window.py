@@ -1,0 +1,350 @@
+"""The window: viewport in the middle, panels around it, one store that they all observe."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QEvent, Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
+from PySide6.QtWidgets import QMainWindow
+
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.technique import unused_regions
+from volviz.kernels.warm_up import warm_up
+from volviz.model.store import Store
+from volviz.volume_data.volume import Volume
+from volviz_ui.app.messages import WindowMessages
+from volviz_ui.app_context import AppContext
+from volviz_ui.commands.bars import ToolBar, fill_menu_bar
+from volviz_ui.commands.compare import CompareCommands
+from volviz_ui.commands.edit import EditCommands
+from volviz_ui.commands.file import FileCommands
+from volviz_ui.commands.help import HelpCommands
+from volviz_ui.commands.presets import PresetsOfFunction
+from volviz_ui.commands.session import SessionCommands
+from volviz_ui.commands.table import CommandTable
+from volviz_ui.commands.technique import TechniqueCommands
+from volviz_ui.commands.view import ViewCommands
+from volviz_ui.compare.crosscheck import CrosscheckPanel
+from volviz_ui.compare.measurements import Measurements
+from volviz_ui.compare.panel import ComparePanel
+from volviz_ui.compare.reports import Reports
+from volviz_ui.compare.surface_distances import SurfaceDistances
+from volviz_ui.panels.data import DataPanel
+from volviz_ui.panels.technique import TechniquePanel
+from volviz_ui.ray_inspector.inspector import RayInspector
+from volviz_ui.ray_inspector.panel import RayPanel
+from volviz_ui.session.autosave import Autosave
+from volviz_ui.session.documents import SAMPLE_PREFIX, Documents, Opened
+from volviz_ui.session.loaded_scene import LoadedScene, volume_of
+from volviz_ui.session.memory import return_freed_memory
+from volviz_ui.session.mesh_summary import ShownMesh
+from volviz_ui.session.preferences import Preferences
+from volviz_ui.session.workers import Gate, Workers
+from volviz_ui.style.app_icon import app_icon
+from volviz_ui.style.theme import Theme
+from volviz_ui.transfer_editor import TransferEditor
+from volviz_ui.transfer_editor.isovalue_markers import IsovalueMarkers
+from volviz_ui.transfer_editor.thumbnails import Thumbnails
+from volviz_ui.views.annotations import Annotations
+from volviz_ui.views.pointer import Pointer
+from volviz_ui.views.view_controller import AddVolume, ViewController
+from volviz_ui.views.view_grid import ViewGrid
+from volviz_ui.views.viewport import Viewport
+from volviz_ui.widgets.binding import show_value
+from volviz_ui.widgets.docks import VERSION as LAYOUT_VERSION
+from volviz_ui.widgets.docks import Docks
+
+MEMORY_DELAY_MS = 2000
+
+
+class MainWindow(QMainWindow):
+    """Puts everything together; holds no state of its own.
+
+    Parameters
+    ----------
+    theme : Theme
+        The theme of the application.
+    preferences : Preferences, optional
+        What is remembered between two starts.
+    add_volume : callable, optional
+        `volviz.add_volume`, or what stands in for it.
+    autosave_folder : Path, optional
+        Where the scene is written for the case of a crash; nowhere when not given.
+    """
+
+    def __init__(
+        self,
+        theme: Theme,
+        preferences: Preferences | None = None,
+        add_volume: AddVolume | None = None,
+        autosave_folder: Path | None = None,
+    ) -> None:
+        super().__init__()
+        if add_volume is None:
+            from volviz.custom_gl.vtk import add_volume as real
+
+            add_volume = real
+        self.theme = theme
+        self.preferences = preferences if preferences is not None else Preferences()
+        self.store = Store()
+        self.workers = Workers(self)
+        self.gate = self.workers.gate = Gate(self)
+        # threads of their own: compiling takes seconds, and no file shall wait for it
+        self.compilers = Workers(self)
+        self.compilers.gate = self.gate
+        self.documents = Documents(self.store, self.workers, self)
+        self.setWindowIcon(app_icon())
+        self.setWindowTitle("VolViz")
+        self.setAcceptDrops(True)
+        self.setDockOptions(
+            QMainWindow.DockOption.AllowTabbedDocks
+            | QMainWindow.DockOption.AllowNestedDocks
+            | QMainWindow.DockOption.AnimatedDocks
+        )
+
+        self.views = ViewGrid(self.store, self.documents, add_volume, self)
+        self.setCentralWidget(self.views)
+        self.messages = WindowMessages(self, self.documents, self.views)
+        self.docks = Docks(self)
+        self.surface = ShownMesh(self.store, self.workers, self)
+        self.context = AppContext(
+            window=self,
+            store=self.store,
+            documents=self.documents,
+            workers=self.workers,
+            preferences=self.preferences,
+            theme=theme,
+            views=self.views,
+            docks=self.docks,
+            surface=self.surface,
+            messages=self.messages,
+        )
+        self._make_panels()
+        self._make_commands()
+        self._memory_timer = QTimer(self)
+        self._memory_timer.setSingleShot(True)
+        self._memory_timer.setInterval(MEMORY_DELAY_MS)
+        self._memory_timer.timeout.connect(return_freed_memory)
+        self.autosave = None if autosave_folder is None else Autosave(self.store, autosave_folder, self)
+        self._connect()
+        self._restore()
+
+    def _make_panels(self) -> None:
+        store, documents, workers, views, tr = self.store, self.documents, self.workers, self.views, self.tr
+        self.compare_commands = CompareCommands(self.context)
+        self.data_panel = DataPanel(store, documents, workers, self)
+        self.technique_panel = TechniquePanel(store, documents, self)
+        self.transfer_editor = TransferEditor(store, documents, self)
+        self.ray_panel = RayPanel(self)
+        self.compare_panel = ComparePanel(store, self.compare_commands, self)
+        self.crosscheck_panel = CrosscheckPanel(documents, workers, self)
+        docks = self.docks
+        docks.add("data", tr("Data"), self.data_panel, tr("What is loaded, and what is cut away"))
+        docks.add("technique", tr("Technique"), self.technique_panel, tr("How the volume is drawn"))
+        docks.add(
+            "transfer",
+            tr("Transfer function"),
+            self.transfer_editor,
+            tr("Which values get which colour and opacity"),
+        )
+        docks.add(
+            "ray", tr("Ray inspector"), self.ray_panel,
+            tr("Follow the ray behind a pixel, sample by sample: click in the picture"), ("Ctrl+I",),
+        )  # fmt: skip
+        docks.add(
+            "compare", tr("Compare"), self.compare_panel,
+            tr("How two views are compared, and what is measured of them"), ("Ctrl+M",),
+        )  # fmt: skip
+        docks.add(
+            "crosscheck", tr("Cross-check"), self.crosscheck_panel,
+            tr("Compare our mesh with those of VTK, difference by difference"),
+        )  # fmt: skip
+        self.transfer_editor.counter.workers.gate = self.gate
+        self.thumbnails = Thumbnails(documents, workers, self)
+        self.transfer_editor.thumbnail_provider = self.thumbnails.request
+        self.isovalues = IsovalueMarkers(store, documents, self.transfer_editor, self)
+        self.ray_inspector = RayInspector(documents, workers, views, self.ray_panel, self)
+        self.measurements = Measurements(store, documents, views, workers, self)
+        self.measurements.figures_found.connect(views.show_metrics)
+        self.surface_distances = SurfaceDistances(documents, views, workers, self.measurements.meshes, self)
+        self.compare_panel.distances.follow(self.surface_distances)
+        self.reports = Reports(self.context)
+        self.compare_panel.follow(self.measurements, self.reports)
+        self.pointer = Pointer(store, documents, views, self.messages.status_line, self.transfer_editor, self)
+
+    def _make_commands(self) -> None:
+        context = self.context
+        self.commands = CommandTable(context)
+        self.session_commands = SessionCommands(context)
+        self.file_commands = FileCommands(context, self.session_commands)
+        self.view_commands = ViewCommands(context)
+        self.edit_commands = EditCommands(context, self.view_commands)
+        self.technique_commands = TechniqueCommands(context)
+        self.help_commands = HelpCommands(context, self.commands)
+        in_bar = (
+            self.file_commands,
+            self.edit_commands,
+            self.view_commands,
+            self.technique_commands,
+            self.compare_commands,
+            self.help_commands,
+        )
+        fill_menu_bar(self.menuBar(), [self.commands.add(each.menu()) for each in in_bar], self.commands)
+        self.commands.add(PresetsOfFunction(self.transfer_editor).menu())
+        self.tools = ToolBar(context, self.commands, self.file_commands, self.view_commands)
+        self.addToolBar(self.tools)
+
+    # ------------------------------------------------------------------ the first view
+
+    @property
+    def viewport(self) -> Viewport:
+        """Where the first view is shown; the others are as large and look through the same camera."""
+        return self.views.first.viewport
+
+    @property
+    def controller(self) -> ViewController:
+        """What shows the first view."""
+        return self.views.first.controller
+
+    @property
+    def annotations(self) -> Annotations:
+        """What stands around the volume in the first view."""
+        return self.views.first.annotations
+
+    # ------------------------------------------------------------------ putting together
+
+    def _connect(self) -> None:
+        self.transfer_editor.failed.connect(
+            lambda error: self.messages.show_error(self.tr("Transfer function"), error)
+        )
+        self.theme.about_to_change.connect(self.technique_panel.forget_forms)
+        section = self.technique_panel.surface
+        self.surface.summary_changed.connect(section.show_properties)
+        self.surface.work_changed.connect(section.show_work)
+        section.cancel_requested.connect(self.surface.cancel)
+        section.export_requested.connect(self.file_commands.export_mesh)
+        self.compare_commands.report_requested.connect(self.reports.write_report)
+        self.documents.opened.connect(self._on_opened)
+        self.views.failed.connect(self.gate.open)
+        self.views.status_changed.connect(self._on_status_changed)
+        self.views.function_drag_started.connect(self.transfer_editor.begin_shift_stretch)
+        self.views.function_dragged.connect(self.transfer_editor.shift_stretch)
+        self.views.function_drag_ended.connect(
+            lambda cancelled: self.transfer_editor.end_shift_stretch(cancel=cancelled)
+        )
+        self.docks["ray"].visibilityChanged.connect(self.ray_inspector.set_active)
+        self.ray_inspector.value_pointed.connect(self.transfer_editor.highlight_value)
+        self.transfer_editor.value_hovered.connect(self.ray_panel.plot.mark_value)
+        show_value(self.documents, lambda shown: shown.scene.view.technique, self._show_technique)
+        show_value(self.documents, _why_no_regions, self._show_regions_unused)
+        show_value(self.documents, volume_of, self._show_volume, now=False)
+        show_value(self.documents, volume_of, self.messages.status_line.show_volume)
+        show_value(self.documents, lambda shown: shown.scene.active_index, self._show_active)
+
+    def _restore(self) -> None:
+        self.view_commands.restore()
+        self.resize(1400, 900)
+        kept = self.preferences.window
+        # one or the other: Qt leaves a tab bar over the menu when panels in tabs are arranged twice
+        if kept is None or not self.restoreState(kept[1], LAYOUT_VERSION):
+            self.docks.reset()
+        if kept is not None:
+            self.restoreGeometry(kept[0])
+
+    # ------------------------------------------------------------------ opening
+
+    def open(self, source: str) -> None:
+        """Open a file, a folder or ``sample:<id>``."""
+        if source.startswith(SAMPLE_PREFIX):
+            self.documents.open(source)
+        else:
+            self.file_commands.open_path(source)
+
+    def _on_opened(self, opened: Opened) -> None:
+        if not opened.key.ref.source.startswith(SAMPLE_PREFIX):
+            self.preferences.add_recent(opened.key)
+
+    def _show_volume(self, volume: Volume | None) -> None:
+        self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
+        self._memory_timer.start()
+        if volume is not None:
+            # where there is no machine code on disk yet, nobody shall wait for it later
+            dtype = volume.array.dtype
+            self.compilers.start(
+                lambda task: warm_up((dtype,), report=task.report), key="warm up", patient=True
+            )
+
+    # ------------------------------------------------------------------ showing
+
+    def _show_regions_unused(self, why_not: str) -> None:
+        self.transfer_editor.set_two_dimensional_available(not why_not, why_not)
+
+    def _show_technique(self, _technique: str) -> None:
+        label = current_technique(self.documents.shown.scene).label
+        self.messages.status_line.show_technique(label)
+
+    def _on_status_changed(self, view: int, status: Any) -> None:
+        if status.complete:
+            self.gate.open()
+        if view == self.views.active.view:
+            self.messages.status_line.show_status(status)
+            self.surface.show_status(status, self.views.active.controller.handle)
+
+    def _show_active(self, _index: int) -> None:
+        status = self.views.active.controller.status
+        self._show_technique("")
+        if status is not None:
+            self.messages.status_line.show_status(status)
+            self.surface.show_status(status, self.views.active.controller.handle)
+
+    # ------------------------------------------------------------------ events
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Files and folders may be dropped anywhere on the window."""
+        if any(url.isLocalFile() for url in event.mimeData().urls()):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Open what was dropped."""
+        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        event.acceptProposedAction()
+        self.file_commands.open_dropped(paths)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape leaves the full screen."""
+        if event.key() == Qt.Key.Key_Escape and self.isFullScreen():
+            self.view_commands.set_full_screen(False)
+        else:
+            super().keyPressEvent(event)
+
+    def changeEvent(self, event: QEvent) -> None:
+        """The window manager may end the full screen, too."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.WindowStateChange:
+            self.commands.refresh()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Remember the layout; end the work and release the GPU while the context lives."""
+        if not self.isFullScreen():
+            self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
+        self.pointer.stop()
+        self._memory_timer.stop()
+        if self.autosave is not None:
+            self.autosave.close()
+        self.file_commands.close()
+        self.ray_inspector.close()
+        self.transfer_editor.close_workers()
+        self.measurements.close()
+        self.surface_distances.close()
+        self.reports.close()
+        self.compilers.close()
+        self.workers.close()
+        self.views.close_views()
+        self.documents.close()
+        super().closeEvent(event)
+
+
+def _why_no_regions(shown: LoadedScene) -> str:
+    return unused_regions(current_technique(shown.scene), current_settings(shown.scene))

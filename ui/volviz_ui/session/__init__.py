@@ -1,0 +1,1 @@
+"""What is open: documents, sessions, work in the background."""

@@ -1,0 +1,356 @@
+"""Between the store and the image: every change of the scene becomes one update of what is drawn."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from volviz.custom_gl.framing import default_camera
+from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.technique import drawn_function
+from volviz.model.camera import Camera
+from volviz.model.light import default_position
+from volviz.model.store import Store
+from volviz.volume_data.volume import Volume
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.views.camera_moves import light_moved, light_turned
+from volviz_ui.views.frame_scheduler import QtFrameScheduler
+from volviz_ui.views.viewport import Viewport, same_view
+
+AddVolume = Callable[..., Any]
+
+
+class ViewController(QObject):
+    """Keeps one viewport showing one view of the scene.
+
+    It is told of every change by `show_change`.
+
+    Parameters
+    ----------
+    store : Store
+        The scene.
+    documents : Documents
+        Where the volume of the scene is.
+    viewport : Viewport
+        Where it is shown.
+    add_volume : callable
+        `volviz.add_volume`.
+    view : int
+        Number of the view; the first one frames the scene for all.
+    """
+
+    failed = Signal(object)
+    recovered = Signal()
+    status_changed = Signal(object)
+    _status_arrived = Signal(object)
+
+    def __init__(
+        self,
+        store: Store,
+        documents: Documents,
+        viewport: Viewport,
+        add_volume: AddVolume,
+        parent: QObject | None = None,
+        *,
+        view: int = 0,
+    ) -> None:
+        super().__init__(parent)
+        self._store = store
+        self._documents = documents
+        self._viewport = viewport
+        self._add_volume = add_volume
+        self._view = view
+        self._share = 1.0
+        self._quality = "balanced"
+        self._shows_manipulators = True
+        self._last_error: BaseException | None = None
+        self.handle: Any = None
+        self.scheduler = QtFrameScheduler(store, self)
+        self.scheduler.completed.connect(viewport.render)
+        self.scheduler.frame_wanted.connect(viewport.render)
+        self.scheduler.failed.connect(self._on_failed)
+        # the host tells its status while it draws; what listens must not run inside the drawing
+        self._status_arrived.connect(self.status_changed, Qt.ConnectionType.QueuedConnection)
+        viewport.camera_committed.connect(self._on_camera_committed)
+        viewport.light_dragged.connect(self._on_light_dragged)
+        viewport.light_wheeled.connect(self._on_light_wheeled)
+        viewport.manipulator_dragged.connect(self._on_manipulator_dragged)
+        viewport.frame_drawn.connect(self._on_frame_drawn)
+
+    # ------------------------------------------------------------------ gestures
+
+    def show_interaction(self, running: bool) -> None:
+        """Something is being dragged: draw fast, complete nothing. Or it is over."""
+        if self.handle is not None:
+            if running:
+                self.handle.begin_interaction()
+            else:
+                self.handle.end_interaction()
+        if not running:
+            self.scheduler.go_on()
+            self._viewport.render()
+
+    @property
+    def is_interacting(self) -> bool:
+        """Whether something is being dragged."""
+        return self._store.is_interacting
+
+    def show_image(self) -> None:
+        """Bring the image at hand to the screen."""
+        self._viewport.render()
+
+    def frame_seconds(self) -> float:
+        """Wall time in seconds of a frame of VTK that shows the finished image again, without drawing the volume."""
+        window = self._viewport.render_window
+        begin = time.perf_counter()
+        window.Render()
+        window.WaitForCompletion()
+        return time.perf_counter() - begin
+
+    @property
+    def share(self) -> float:
+        """Part of the time of an interactive frame that this image may take, 0..1."""
+        return self._share
+
+    @share.setter
+    def share(self, share: float) -> None:
+        self._share = share
+        if self.handle is not None:
+            self.handle.share = share
+
+    # ------------------------------------------------------------------ quality, status
+
+    @property
+    def quality(self) -> str:
+        """How much is given up while something moves: "balanced", "fast" or "full"."""
+        return self._quality
+
+    @quality.setter
+    def quality(self, quality: str) -> None:
+        self._quality = quality
+        if self.handle is not None:
+            self.handle.update(quality=quality)
+            self._viewport.render()
+
+    @property
+    def shows_manipulators(self) -> bool:
+        """Whether light and cut plane can be dragged in the image, where the technique has them."""
+        return self._shows_manipulators
+
+    @shows_manipulators.setter
+    def shows_manipulators(self, on: bool) -> None:
+        self._shows_manipulators = on
+        self._show_manipulators()
+        self._viewport.render()
+
+    def _show_manipulators(self) -> None:
+        if self.handle is not None:
+            self.handle.show_manipulators(self._shows_manipulators, listens=False)
+            self._viewport.set_manipulators(self.handle.manipulators)
+
+    @property
+    def status(self) -> Any:
+        """What the host says about the last image, None without one."""
+        return None if self.handle is None else self.handle.status
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the viewport shows the complete image of the present scene."""
+        if self.handle is None:
+            return False
+        # what follows the full image at rest only makes it smoother
+        busy = self.scheduler.is_busy and not self.handle.is_accumulating
+        waits = self._viewport.awaits_frame or busy or self.is_interacting
+        return bool(self.handle.status.complete) and not waits
+
+    def opaque_depth(self, column: int, row: int) -> float | None:
+        """Window depth of opaque geometry at a device pixel of the viewport, from the upper left; None = nothing."""
+        return None if self.handle is None else self.handle.opaque_depth(column, row)
+
+    # ------------------------------------------------------------------ from the scene to the image
+
+    def show_change(self, old: LoadedScene, new: LoadedScene) -> None:
+        """Show what has changed."""
+        if new.volume is None:
+            if self.handle is not None:
+                self._remove()
+                self._viewport.render()
+        elif new.volume is not old.volume:
+            self._apply(lambda: self._show_all(new))
+        elif self.handle is not None:
+            self._show_changes(old, new)
+        if new.volume is not None:
+            scene = new.scene
+            self._viewport.light_is_movable = "light" in current_technique(scene, self._view).manipulators
+
+    def _show_all(self, new: LoadedScene) -> None:
+        scene = new.scene
+        values = {
+            "technique": current_technique(scene, self._view).id,
+            "transfer_function": new.transfer_function,
+            "settings": current_settings(scene, self._view),
+            "light": scene.light,
+            "clipping": scene.clipping,
+        }
+        if self.handle is None:
+            self.handle = self._add_volume(self._viewport, new.volume, pacer=self.scheduler, **values)
+            self.handle.update(quality=self._quality)
+            self.handle.share = self._share
+            if self.is_interacting:
+                self.handle.begin_interaction()
+            self.handle.on_status.append(self._status_arrived.emit)
+            self._show_manipulators()
+        else:
+            self.handle.update(volume=new.volume, **values)
+        camera = scene.view_at(self._view).camera
+        if camera is None:
+            self._frame(new)
+        else:
+            self._viewport.show_camera(camera)
+
+    def _show_changes(self, old: LoadedScene, new: LoadedScene) -> None:
+        changes: dict[str, Any] = {}
+        before, after = old.scene, new.scene
+        technique, settings = current_technique(after, self._view), current_settings(after, self._view)
+        if (
+            technique is not current_technique(before, self._view)
+            or current_settings(before, self._view) != settings
+        ):
+            changes |= {"technique": technique.id, "settings": settings}
+        if old.transfer_function != new.transfer_function:
+            changes["transfer_function"] = new.transfer_function
+        if before.light != after.light:
+            changes["light"] = after.light
+        if before.clipping != after.clipping:
+            changes["clipping"] = after.clipping
+        camera = after.view_at(self._view).camera
+        moving = any(viewport.is_moving for viewport in self._viewport.linked)
+        if camera is None:
+            self._frame(new)
+        elif not moving and (
+            camera != before.view_at(self._view).camera or not same_view(camera, self._viewport.view_camera)
+        ):
+            self._viewport.show_camera(camera)
+        if changes:
+            self._apply(lambda: self.handle.update(**changes))
+
+    def _frame(self, shown: LoadedScene) -> None:
+        """Look at what there is to be seen; the first view does it for all."""
+        if self._view == 0:
+            info, settings = current_technique(shown.scene), current_settings(shown.scene)
+            function = drawn_function(info, settings, shown.transfer_function)
+            size = self._viewport.pixel_size
+            self.show_camera(default_camera(shown.volume, size, transfer_function=function))
+
+    def _apply(self, change: Callable[[], Any]) -> None:
+        try:
+            change()
+        except Exception as error:  # noqa: BLE001 - the window shows what went wrong and goes on
+            self._on_failed(error)
+        self._viewport.render()
+
+    # ------------------------------------------------------------------ from the image to the scene
+
+    def show_camera(self, camera: Camera) -> None:
+        """Look from another place and remember it."""
+        self._viewport.show_camera(camera)
+        self._commit(camera)
+
+    def _commit(self, camera: Camera) -> None:
+        if self._documents.is_current:
+            self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
+
+    @property
+    def _movable(self) -> Volume | None:
+        """The volume that is shown; None while another one is awaited, whose scene nobody sees yet."""
+        return self._documents.volume if self._documents.is_current else None
+
+    def _on_camera_committed(self, camera: Camera) -> None:
+        known = self._store.scene.view_at(self._view).camera
+        # what VTK says of a camera that has not moved may differ in the last digit
+        if self._documents.volume is not None and not (known is not None and same_view(known, camera)):
+            self._commit(camera)
+
+    def _on_light_dragged(self, dx: float, dy: float) -> None:
+        volume = self._movable
+        if volume is None:
+            return
+        camera, size = self._viewport.view_camera, (self._viewport.width(), self._viewport.height())
+        self._move_light(
+            lambda position: light_turned(position, volume.center, camera, dx, dy, size),
+            self._viewport.drag_key,
+        )
+
+    def _on_light_wheeled(self, factor: float) -> None:
+        volume = self._movable
+        if volume is None:
+            return
+        radius = 0.5 * sum(length**2 for length in volume.extent) ** 0.5
+        self._move_light(
+            lambda position: light_moved(position, volume.center, factor, radius), self._viewport.wheel_key
+        )
+
+    def _on_manipulator_dragged(self, values: dict[str, Any]) -> None:
+        scene = self._store.scene
+        if self._movable is None:
+            return
+        if "light" in values:
+            light = values["light"]
+            self._store.update(
+                lambda scene: replace(scene, light=light),
+                label=self.tr("Move the light"),
+                gesture=self._viewport.drag_key,
+            )
+            return
+        info = current_technique(scene, self._view)
+        if isinstance(values.get("settings"), info.settings):
+            view = scene.views[self._view].with_settings(info.id, values["settings"])
+            self._store.update(
+                lambda scene: scene.with_view(self._view, settings=view.settings),
+                label=self.tr("Move the cut plane"),
+                gesture=self._viewport.drag_key,
+            )
+
+    def _move_light(self, move: Callable[[Any], Any], gesture: Hashable) -> None:
+        volume = self._movable
+        light = self._store.scene.light
+        if volume is None:
+            return
+        position = light.position if light.position is not None else default_position(volume.bounds)
+        moved = replace(light, headlight=False, position=move(position))
+        self._store.update(
+            lambda scene: replace(scene, light=moved), label=self.tr("Move the light"), gesture=gesture
+        )
+
+    # ------------------------------------------------------------------ errors, end
+
+    def _on_frame_drawn(self) -> None:
+        error = None if self.handle is None else self.handle.error
+        if error is not self._last_error:
+            self._last_error = error
+            if error is None:
+                self.recovered.emit()
+            else:
+                self.failed.emit(error)
+
+    def _on_failed(self, error: object) -> None:
+        self.failed.emit(error)
+
+    def _remove(self) -> None:
+        self.scheduler.stop()
+        if self.handle is not None:
+            self._viewport.set_manipulators(None)
+            self.handle.remove()
+            self.handle = None
+
+    def close(self) -> None:
+        """Release everything on the GPU while the context still lives."""
+        window = self._viewport.render_window
+        if window is not None and self.handle is not None:
+            window.MakeCurrent()
+        self._remove()

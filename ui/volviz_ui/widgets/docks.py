@@ -1,0 +1,84 @@
+"""The docks of the window, and the places where they belong."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtWidgets import QMainWindow, QWidget
+
+from volviz_ui.widgets.dock import Dock
+
+VERSION = 2
+"""Of the places that Qt remembers."""
+SIDE_WIDTHS = [264, 340]
+FOOT_HEIGHT = 236
+
+
+class Docks(QObject):
+    """The docks by name, and the places where they belong.
+
+    "data", "technique" and "transfer" are there from the beginning: left, right, and at the foot over the whole width.
+    "ray", "compare" and "crosscheck" are hidden until somebody asks for them: beside the transfer function, in tabs
+    with the data, in tabs with the transfer function.
+    """
+
+    def __init__(self, window: QMainWindow) -> None:
+        super().__init__(window)
+        self._window = window
+        self._docks: dict[str, Dock] = {}
+        window.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
+        window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
+
+    def add(self, name: str, title: str, panel: QWidget, tip: str, keys: tuple[str, ...] = ()) -> Dock:
+        """Put a panel into a dock; the tip says what the panel is for, the keys open it."""
+        dock = self._docks[name] = Dock(f"{name}_dock", title, panel, self._window, tip=tip, keys=keys)
+        # until it has a place: what Qt remembers of a window may be older than the panel
+        dock.hide()
+        return dock
+
+    def __getitem__(self, name: str) -> Dock:
+        return self._docks[name]
+
+    @property
+    def names(self) -> list[str]:
+        """Their names, in the order of the menu."""
+        return list(self._docks)
+
+    @property
+    def all(self) -> list[Dock]:
+        """All of them, in the order of the menu."""
+        return list(self._docks.values())
+
+    def show(self, name: str) -> None:
+        """Open a dock and bring it to the front; the layout has settled afterwards."""
+        self[name].bring_up()
+        # at once: the size that is left to the views may decide what happens next
+        self._window.layout().activate()
+
+    def switch(self, name: str, on: bool) -> None:
+        """Open or close a dock; one that lies behind another comes to the front instead of being closed."""
+        if on or not self[name].is_in_front:
+            self.show(name)
+        else:
+            self[name].close()
+
+    def reset(self) -> None:
+        """All panels docked, where they belong."""
+        window = self._window
+        for name, area in (
+            ("data", Qt.DockWidgetArea.LeftDockWidgetArea),
+            ("technique", Qt.DockWidgetArea.RightDockWidgetArea),
+            ("transfer", Qt.DockWidgetArea.BottomDockWidgetArea),
+        ):
+            self[name].setFloating(False)
+            window.addDockWidget(area, self[name])
+            self[name].show()
+        # one after the other: all at once would need more room than the window has
+        self["ray"].setFloating(False)
+        window.splitDockWidget(self["transfer"], self["ray"], Qt.Orientation.Horizontal)
+        self["ray"].hide()
+        for name, place in (("crosscheck", "transfer"), ("compare", "data")):
+            self[name].setFloating(False)
+            window.tabifyDockWidget(self[place], self[name])
+            self[name].hide()
+        window.resizeDocks([self["data"], self["technique"]], SIDE_WIDTHS, Qt.Orientation.Horizontal)
+        window.resizeDocks([self["transfer"]], [FOOT_HEIGHT], Qt.Orientation.Vertical)

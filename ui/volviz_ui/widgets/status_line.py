@@ -1,0 +1,96 @@
+"""The line at the foot of the window: what is under the pointer, how the image was drawn, what it shows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QWidget
+
+from volviz.volume_data.volume import Volume
+
+#: While images are on their way, what the line says of them changes no more often than this.
+UNFINISHED_MS = 150
+
+
+class StatusLine(QStatusBar):
+    """Four fields of fixed width, so that nothing jumps while numbers change."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setSizeGripEnabled(False)
+        self._technique = ""
+        self._status: Any = None
+        self._status_timer = QTimer(self)
+        self._status_timer.setSingleShot(True)
+        self._status_timer.setInterval(UNFINISHED_MS)
+        self._status_timer.timeout.connect(self._write_status)
+        self.pointer = self._field(
+            "(0000, 0000, 0000)  −00000.00 unit", self.tr("Voxel under the pointer and its value")
+        )
+        self.drawing = self._field(
+            self.tr("Marching tetrahedra, full quality 000 %"), self.tr("Technique, and resolution now shown")
+        )
+        self._drawing_tip = self.drawing.toolTip()
+        self.time = self._field("0000 ms", self.tr("Time that drawing this picture took"))
+        self.volume = self._field("", self.tr("Data set and its size in voxels"))
+        for field in (self.pointer, self.drawing, self.time):
+            self.addWidget(field)
+        self.addPermanentWidget(self.volume)
+
+    def show_picked(self, voxel: tuple[int, int, int] | None, value: float | None, unit: str) -> None:
+        """Show the voxel under the pointer and its value."""
+        if voxel is None or value is None:
+            self.pointer.setText("")
+            return
+        i, j, k = voxel
+        self.pointer.setText(f"({i}, {j}, {k})   {value:.6g} {unit}".rstrip())
+
+    def show_technique(self, label: str) -> None:
+        """Show how the volume is drawn."""
+        self._technique = label
+        self.drawing.setText(label)
+
+    def show_status(self, status: Any) -> None:
+        """Show what the host says about the image; unfinished ones a little later, once for several."""
+        self._status = status
+        if status.complete:
+            self._status_timer.stop()
+            self._write_status()
+        elif not self._status_timer.isActive():
+            self._status_timer.start()
+
+    def _write_status(self) -> None:
+        status = self._status
+        if status.complete and status.resolution >= 1:
+            words = self.tr("full quality")
+        elif status.resolution >= 1:
+            words = self.tr("full resolution")
+        else:
+            words = self.tr("%1 % of the resolution").replace("%1", f"{100 * status.resolution:.0f}")
+        notice = getattr(status, "notice", "")
+        if notice:
+            # the first clause; all of it is in the tooltip
+            words += "  \N{WARNING SIGN} " + notice.split(":")[0].rstrip(".")
+        self.drawing.setToolTip(notice or self._drawing_tip)
+        self.drawing.setText(f"{self._technique}, {words}")
+        seconds = status.seconds
+        self.time.setText(f"{1000 * seconds:.0f} ms" if seconds < 10 else f"{seconds:.1f} s")
+
+    def show_volume(self, volume: Volume | None) -> None:
+        """Show what is loaded."""
+        if volume is None:
+            self.volume.setText("")
+            return
+        size = " × ".join(str(n) for n in volume.dimensions)
+        name = self.fontMetrics().elidedText(volume.name, Qt.TextElideMode.ElideMiddle, 260)
+        self.volume.setText(f"{name}   {size}")
+
+    def _field(self, widest: str, tooltip: str) -> QLabel:
+        label = QLabel(self)
+        label.setToolTip(tooltip)
+        label.setContentsMargins(8, 1, 8, 1)
+        if widest:
+            label.setMinimumWidth(self.fontMetrics().horizontalAdvance(widest) + 16)
+            label.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+        return label

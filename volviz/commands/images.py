@@ -1,0 +1,210 @@
+"""``volviz render``: images into files."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from volviz.commands.inputs import add_input, load_input
+from volviz.errors import InputError, VolvizError
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
+
+if TYPE_CHECKING:
+    from volviz.custom_gl.technique import TechniqueInfo
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.volume_data.volume import Volume
+
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
+#: These hold no transparency.
+OPAQUE_SUFFIXES = (".jpg", ".jpeg", ".bmp")
+
+
+def add_commands(commands: Any) -> None:
+    """Add ``render``."""
+    parser = commands.add_parser(
+        "render",
+        help="draw a volume into a picture file",
+        description="Draws a volume off-screen into a file.",
+    )
+    add_input(parser, optional=True)
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
+                        " a folder with --all-techniques")  # fmt: skip
+    parser.add_argument(
+        "-t", "--technique", default=DEFAULT_TECHNIQUE, metavar="ID", help="see volviz techniques"
+    )
+    parser.add_argument(
+        "--all-techniques", action="store_true", help="draw with every technique into a folder"
+    )
+    parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
+    parser.add_argument(
+        "--transfer-function", metavar="FILE", help="transfer function from a file (JSON, .vp, .dat)"
+    )
+    parser.add_argument("--size", default="800x600", metavar="WxH", help="in pixels (default 800x600)")
+    parser.add_argument(
+        "--azimuth", type=float, default=0.0, metavar="DEG", help="turn about the upright axis"
+    )
+    parser.add_argument("--elevation", type=float, default=0.0, metavar="DEG", help="turn above the horizon")
+    parser.add_argument("--zoom", type=float, default=1.0, metavar="FACTOR", help="above 1 comes nearer")
+    parser.add_argument("--parallel", action="store_true", help="parallel projection")
+    parser.add_argument(
+        "--background", default="black", metavar="COLOUR", help='name, #rrggbb or "none" for transparency'
+    )
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
+                        help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
+    parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Draw one image, or one with every technique."""
+    from volviz.custom_gl.registry import technique, techniques
+
+    size = parse_size(options.size)
+    output = Path(options.output).expanduser()
+    if not options.all_techniques:
+        info = technique(options.technique)
+        values = parse_values(info, options.values)
+        check_output(output)
+        volume = load_input(options)
+        draw(volume, info, values, transfer_function(options, volume), size, options, output)
+        return 0
+    volume = load_input(options)
+    function = transfer_function(options, volume)
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{output}: the folder cannot be made ({error.strerror}); choose another one."
+        ) from None
+    for info in techniques().values():
+        if not info.counterpart_of:
+            values = parse_values(info, options.values, lenient=True)
+            draw(volume, info, values, function, size, options, output / f"{info.id}.png")
+    return 0
+
+
+def draw(
+    volume: Volume,
+    info: TechniqueInfo,
+    values: dict[str, Any],
+    function: TransferFunction | None,
+    size: tuple[int, int],
+    options: argparse.Namespace,
+    output: Path,
+) -> None:
+    """Draw one image and say where it lies and how long it took."""
+    from dataclasses import replace
+
+    from volviz.custom_gl.framing import default_camera
+    from volviz.custom_gl.technique import drawn_function
+    from volviz.model.parameters import make_settings
+    from volviz.model.transfer.function import TransferFunction
+    from volviz.renderer import render
+
+    if not options.zoom > 0:
+        raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
+    function = function or TransferFunction.auto(volume)
+    own = {p.name: values[p.name] for p in info.parameters if p.name in values}
+    shown = drawn_function(info, make_settings(info.settings, own, owner=info.id), function)
+    camera = default_camera(volume, size, options.azimuth, options.elevation, shown)
+    camera = replace(
+        camera, view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0), parallel=options.parallel
+    )
+    transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
+    begin = time.perf_counter()
+    image = render(
+        volume, info.id, transfer_function=function, size=size, camera=camera,
+        background=None if transparent else ("black" if options.background.lower() == "none" else options.background),
+        dtype="float32" if output.suffix.lower() == ".npy" else "uint8",
+        classic=options.classic, **values,
+    )  # fmt: skip
+    seconds = time.perf_counter() - begin
+    save_image(image, output)
+    print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Width and height from "1200x900"."""
+    from volviz.custom_gl.offscreen import checked_size
+
+    try:
+        width, height = (int(part) for part in text.lower().replace(",", "x").split("x"))
+    except ValueError:
+        raise InputError(f"--size takes width and height such as 1200x900, got {text!r}.") from None
+    return checked_size((width, height))
+
+
+def parse_values(info: TechniqueInfo, texts: Iterable[str], *, lenient: bool = False) -> dict[str, Any]:
+    """Settings from ``name=value`` texts.
+
+    Parameters
+    ----------
+    info : TechniqueInfo
+        Whose settings are meant; shared ones (light, crop, clip planes) are known as well.
+    texts : iterable of str
+        ``name=value`` each.
+    lenient : bool
+        Leave out names that this technique does not have, as for all techniques at once.
+    """
+    from volviz.custom_gl.settings import SharedSettings
+    from volviz.model.parameters import parameters_of, unknown_setting
+
+    known = {p.name: p for p in (*info.parameters, *parameters_of(SharedSettings))}
+    values: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(f"--set takes NAME=VALUE, got {text!r}.")
+        name = name.strip()
+        if name in known:
+            values[name] = known[name].parse(value)
+        elif not lenient:
+            raise InputError(unknown_setting(info.id, name, list(known)))
+    return values
+
+
+def transfer_function(options: argparse.Namespace, volume: Volume) -> TransferFunction | None:
+    """The function that the options name, fitted to the volume; None = automatic."""
+    if options.preset and options.transfer_function:
+        raise InputError("give either --preset or --transfer-function, not both.")
+    if options.preset:
+        from volviz.model.transfer.presets import preset_for
+
+        return preset_for(options.preset, volume)
+    if options.transfer_function:
+        from volviz.model.transfer.formats import read_transfer_function
+
+        return read_transfer_function(Path(options.transfer_function))
+    return None
+
+
+def check_output(output: Path) -> None:
+    """Refuse what cannot be written before minutes are spent on drawing it."""
+    if output.suffix.lower() not in (*IMAGE_SUFFIXES, ".npy"):
+        raise InputError(
+            f"{output}: pictures end in {', '.join((*IMAGE_SUFFIXES, '.npy'))}; give -o such a name."
+        )
+    if not output.absolute().parent.is_dir():
+        raise InputError(f"{output}: there is no folder {output.absolute().parent}; make it first.")
+
+
+def save_image(image: Any, output: Path) -> None:
+    """Write an image of shape (H, W, 4), uint8, or any array as .npy."""
+    try:
+        if output.suffix.lower() == ".npy":
+            import numpy as np
+
+            with output.open("wb") as file:
+                np.save(file, image)
+            return
+        from PIL import Image
+
+        converted = Image.fromarray(image)
+        if output.suffix.lower() in OPAQUE_SUFFIXES:
+            converted = converted.convert("RGB")
+        converted.save(output)
+    except OSError as error:
+        raise VolvizError(f"{output}: the picture cannot be written ({error.strerror or error}).") from None

@@ -1,0 +1,120 @@
+"""The camera with which a volume is seen first: all that is visible of it, from an angle that shows its shape."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from volviz.kernels.brick_gradients import occupancy_2d, visible_plane_sums
+from volviz.kernels.bricks import occupancy, visible_prefix
+from volviz.kernels.gradient import gradient_magnitude
+from volviz.model.camera import Camera
+from volviz.model.transfer.function import TransferFunction
+from volviz.model.transfer.tables import baked
+from volviz.volume_data.scalars import BRICK, bricks_of, gradient_bricks_of
+from volviz.volume_data.volume import Volume
+
+#: Viewing direction: degrees to the side of a look at a patient's face, and above the horizon.
+AZIMUTH, ELEVATION = -30.0, 15.0
+
+#: A brick counts as visible when it may hold at least this opacity: a veil does not decide the frame.
+VISIBLE_OPACITY = 0.004
+
+#: Volumes of at most so many voxels are looked at voxel by voxel: their bricks would be too coarse a frame.
+SMALL = 2**18
+
+#: Voxels kept free around what is visible in them, along every axis.
+AIR = 1
+
+
+def default_camera(
+    volume: Volume,
+    size: tuple[int, int],
+    azimuth: float = 0.0,
+    elevation: float = 0.0,
+    transfer_function: TransferFunction | None = None,
+) -> Camera:
+    """A camera that sees the whole volume, from the front, a little to the side and above.
+
+    Parameters
+    ----------
+    volume : Volume
+        What to see.
+    size : tuple of 2 ints
+        Width and height of the image in pixels.
+    azimuth, elevation : float
+        Further turn in degrees.
+    transfer_function : TransferFunction, optional
+        Frames only what this function shows, rather than the whole box: its regions when it has any (see
+        `volviz.custom_gl.technique.drawn_function`).
+    """
+    points = volume.corners if transfer_function is None else visible_points(volume, transfer_function)
+    turned = Camera.fit(points).turned(AZIMUTH + azimuth, ELEVATION + elevation)
+    return Camera.fit(points, direction=turned.direction, view_up=turned.view_up, aspect=size[0] / size[1])
+
+
+def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.float64]:
+    """World positions around everything that a transfer function shows; the box's corners when that is nothing.
+
+    Returns
+    -------
+    ndarray of shape (N, 3)
+        Outermost visible voxels of a small volume, corners of the visible bricks of a larger one.
+    """
+    index = (
+        _voxels(volume, transfer_function)
+        if volume.array.size <= SMALL
+        else _bricks(volume, transfer_function)
+    )
+    if len(index) == 0:
+        return volume.corners
+    matrix = volume.index_to_world
+    points: npt.NDArray[np.float64] = index @ matrix[:3, :3].T + matrix[:3, 3]
+    return points
+
+
+def _voxels(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
+    """First and last visible voxel of every row and some air around them, as indices (i, j, k)."""
+    scalars = volume.finite_array
+    if transfer_function.by_gradient is None:
+        opacity = transfer_function.evaluate(scalars, volume.range)[..., 3]
+    else:
+        gradients = gradient_magnitude(volume.array, volume.spacing, lowest=volume.range[0])
+        opacity = (
+            transfer_function.by_gradient.evaluate(scalars, gradients)[..., 3] * transfer_function.opacity
+        )
+    seen = opacity >= VISIBLE_OPACITY
+    k, j = np.nonzero(seen.any(axis=2))
+    rows = seen[k, j]
+    first = rows.argmax(axis=1)
+    last = rows.shape[1] - 1 - rows[:, ::-1].argmax(axis=1)
+    index = np.concatenate([np.stack([i, j, k], axis=1) for i in (first, last)])
+    if len(index) == 0:
+        return index
+    # in small volumes a voxel is large in the image: room to move and for axes around it
+    low, high = index.min(axis=0), index.max(axis=0)
+    air = np.where(index > (low + high) / 2, AIR, -AIR)
+    inside: npt.NDArray[np.int64] = np.clip(index + air, 0, np.array(volume.dimensions) - 1)
+    return inside
+
+
+def _bricks(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:
+    """Corners of the visible bricks, as indices (i, j, k) limited to the volume."""
+    bricks, table = bricks_of(volume), baked(transfer_function, volume)
+    opacity = np.where(table.opacity >= VISIBLE_OPACITY, table.opacity, 0.0)
+    if table.gradients is None:
+        occupied = occupancy(bricks.low, bricks.high, visible_prefix(opacity[0]), table.values)
+    else:
+        steep = gradient_bricks_of(volume)
+        occupied = occupancy_2d(
+            (bricks.low, bricks.high), (steep.low, steep.high), visible_plane_sums(opacity),
+            table.values, table.gradients,
+        )  # fmt: skip
+    touched = np.zeros([n + 1 for n in occupied.shape], bool)
+    nz, ny, nx = occupied.shape
+    for c in range(8):
+        i, j, k = c & 1, c >> 1 & 1, c >> 2 & 1
+        touched[k : k + nz, j : j + ny, i : i + nx] |= occupied
+    corners = np.argwhere(touched)[:, ::-1] * BRICK
+    index: npt.NDArray[np.int64] = np.minimum(corners, np.array(volume.dimensions) - 1)
+    return index

@@ -1,0 +1,227 @@
+"""One `Gpu` per render window, shared by all volumes in it, and the guard around our drawing."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
+from volviz.custom_gl.resolve import ResolvedSpec
+from volviz.tasks import Done, LatestResult, Tasks
+from volviz.volume_data.scalars import is_prepared, prepare
+from volviz.volume_data.volume import Volume
+
+#: Environment variable that leaves multisampling on with software OpenGL.
+KEEP_MULTISAMPLING = "VOLVIZ_KEEP_MULTISAMPLING"
+
+
+class WindowGpu:
+    """Resources of a window's OpenGL context.
+
+    Attributes
+    ----------
+    window : vtkRenderWindow
+        The window.
+    users : int
+        Number of volumes that use it; the last one releases everything.
+    """
+
+    def __init__(self, window: Any) -> None:
+        self.window = window
+        self.users = 0
+        self._gpu: Gpu | None = None
+        self._volumes: dict[int, tuple[VolumeResources, int]] = {}
+
+    @property
+    def gpu(self) -> Gpu:
+        """Made when first asked for, with the window's context current."""
+        if self._gpu is None:
+            self._gpu = Gpu()
+            self._switch_multisampling_off()
+        return self._gpu
+
+    def _switch_multisampling_off(self) -> None:
+        """Software OpenGL pays for every sample of every pixel, a tenth of a volume's frame time and more."""
+        if self._gpu is not None and self._gpu.limits.software and not os.environ.get(KEEP_MULTISAMPLING):
+            self.window.SetMultiSamples(0)
+
+    @property
+    def started(self) -> bool:
+        """Whether anything was put on the GPU."""
+        return self._gpu is not None
+
+    def resources(self, volume: Volume) -> VolumeResources:
+        """Textures of a volume; every caller returns them by `drop` once."""
+        held = self._volumes.get(id(volume))
+        if held is None:
+            held = (VolumeResources(self.gpu, volume), 0)
+        self._volumes[id(volume)] = (held[0], held[1] + 1)
+        return held[0]
+
+    def drop(self, resources: VolumeResources) -> None:
+        """Give textures back; those that nobody uses any more are released."""
+        held, users = self._volumes[id(resources.volume)]
+        if users > 1:
+            self._volumes[id(resources.volume)] = (held, users - 1)
+        else:
+            del self._volumes[id(resources.volume)]
+            held.release()
+
+    @contextmanager
+    def foreign(self) -> Iterator[Gpu]:
+        """Our OpenGL calls between VTK's: VTK finds its state as it left it.
+
+        The context must be current.
+        """
+        state = self.window.GetState()
+        gpu = self.gpu
+        state.Push()
+        # an error that VTK or Qt left behind must not be taken for ours
+        _ = gpu.gl.error
+        try:
+            gpu.gl.disable(gpu.gl.BLEND | gpu.gl.DEPTH_TEST | gpu.gl.CULL_FACE)
+            yield gpu
+        finally:
+            gpu.gl.scissor = None
+            self.window.GetShaderCache().ReleaseCurrentShader()
+            state.Reset()
+            state.Pop()
+
+    def release(self) -> None:
+        """Release everything; the context must be current."""
+        for resources, _ in self._volumes.values():
+            resources.release()
+        self._volumes.clear()
+        if self._gpu is not None:
+            self._gpu.release()
+            self._gpu = None
+
+
+_WINDOWS: dict[str, WindowGpu] = {}
+
+
+def acquire(window: Any) -> WindowGpu:
+    """The resources of a window; return them by `give_back`."""
+    address = window.GetAddressAsString("vtkRenderWindow")
+    entry = _WINDOWS.get(address)
+    if entry is None or entry.window is not window:
+        entry = _WINDOWS[address] = WindowGpu(window)
+    entry.users += 1
+    return entry
+
+
+def give_back(entry: WindowGpu, *, context_alive: bool) -> None:
+    """One volume less uses the window; the last one releases everything on the GPU."""
+    entry.users -= 1
+    if entry.users > 0:
+        return
+    _WINDOWS.pop(entry.window.GetAddressAsString("vtkRenderWindow"), None)
+    if context_alive:
+        entry.release()
+
+
+class NoTextures:
+    """Always complete; every level is the full one."""
+
+    complete = True
+    coarsest = 0
+
+    def upload(self, max_bytes: int | None = None) -> bool:
+        """There is nothing to upload."""
+        del max_bytes
+        return True
+
+    def select(self, level: int) -> None:
+        """There is one level only."""
+
+
+NO_TEXTURES = NoTextures()
+
+
+class VolumeTextures:
+    """Holds the textures of one volume at a time.
+
+    Parameters
+    ----------
+    window_gpu : WindowGpu
+        Where they are; all volumes of a window share it.
+    on_task : callable
+        Called when the scalars of a volume have been prepared, on another thread.
+
+    Attributes
+    ----------
+    tasks : Tasks
+        Where they are prepared.
+    """
+
+    def __init__(self, window_gpu: WindowGpu, on_task: Done) -> None:
+        self._window_gpu = window_gpu
+        self.tasks = Tasks(on_task)
+        self._prepared: LatestResult[Any, bool] = LatestResult("scalars", cancels=False)
+        self._held: VolumeResources | None = None
+
+    def are_made(self, shown: ResolvedSpec) -> bool:
+        """Whether there are textures for what is shown, or none are needed."""
+        if not shown.info.uses_textures:
+            return True
+        return self._held is not None and self._held.volume is shown.volume
+
+    def can_be_made(self, shown: ResolvedSpec) -> bool:
+        """Whether they can be made without computing texels here first; if not, a task begins to compute them."""
+        if self.are_made(shown):
+            return True
+        volume, limits = shown.volume, texel_limits(self._window_gpu.gpu, shown.volume)
+        if is_prepared(volume, *limits):
+            return True
+        ready = self._prepared.get(
+            self.tasks, (volume, limits), lambda _progress, _cancel: prepare(volume, *limits)
+        )
+        return ready is not None
+
+    def of(self, shown: ResolvedSpec) -> VolumeResources | NoTextures:
+        """The textures of what is shown, made if need be; those of another volume are given back."""
+        needed = shown.info.uses_textures
+        if self._held is not None and (self._held.volume is not shown.volume or not needed):
+            self.release()
+        if not needed:
+            return NO_TEXTURES
+        if self._held is None:
+            self._held = self._window_gpu.resources(shown.volume)
+        return self._held
+
+    def upload(self, shown: ResolvedSpec, budget: float) -> bool:
+        """Fill them for about `budget` seconds; True when they are full."""
+        begin = time.perf_counter()
+        textures = self.of(shown)
+        while not textures.complete:
+            textures.upload(1)
+            self._window_gpu.gpu.gl.finish()
+            if time.perf_counter() - begin > budget:
+                break
+        return textures.complete
+
+    @property
+    def notice(self) -> str:
+        """A sentence where several voxels had to become one texel; empty otherwise."""
+        if self._held is None or max(self._held.full_factor) == 1:
+            return ""
+        blocks = " x ".join(str(n) for n in self._held.full_factor)
+        return (
+            f"This volume is larger than the graphics memory or its largest texture allows: blocks of {blocks} "
+            "voxels (x, y, z) are drawn as one; crop the file or raise VOLVIZ_TEXTURE_MB to see all of it."
+        )
+
+    def close(self) -> None:
+        """Stop preparing; the context need not live."""
+        self.tasks.close()
+        self._prepared.clear()
+
+    def release(self) -> None:
+        """Give them back; the context is current."""
+        if self._held is not None:
+            self._window_gpu.drop(self._held)
+            self._held = None

@@ -1,0 +1,1 @@
+"""Transfer functions: values, edits, presets, files of other programs."""

@@ -1,0 +1,1 @@
+"""The float64 oracles: what every technique is checked against."""
