@@ -264,7 +264,7 @@ def _axes(
     lowest = _numbers(fields.get("axismins", ""), len(sizes))
     highest = _numbers(fields.get("axismaxs", ""), len(sizes))
     centring = (fields.get("centers") or fields.get("centerings") or "").lower().split()
-    steps, start = [], []
+    steps, starts = [], []
     for axis in order:
         # samples lie in the middle of cells where the header does not say otherwise, as for other readers
         is_cell = centring[axis] != "node" if len(centring) == len(sizes) else True
@@ -276,9 +276,8 @@ def _axes(
             request.note("The file does not say how far its voxels lie apart along every axis; 1 is taken.")
             step = 1.0
         steps.append(step)
-        first = lowest[axis] + (step / 2 if is_cell else 0.0)
-        start.append(first if np.isfinite(first) else 0.0)
-    return request.geometry(np.c_[np.diag(steps), start]), letters, colour
+        starts.append(lowest[axis] + (step / 2 if is_cell else 0.0))
+    return request.geometry(np.c_[np.diag(steps), np.nan_to_num(starts)]), letters, colour
 
 
 def _labels(fields: dict[str, str]) -> list[tuple[int, Label]]:
