@@ -49,6 +49,7 @@ class LoadOptions:
     series : str or int
         DICOM: series instance UID or number of the series in the folder, counted from 0.
         TIFF: number of the series in the file.
+        VTK: 0 for the arrays at points, 1 for those at cells, in a file that has both.
     """
 
     dims: tuple[int, int, int] | None = None
