@@ -125,7 +125,7 @@ def install_system_packages(purpose: str | None) -> None:
 
 def system_libraries() -> ModuleType:
     """The table of libraries."""
-    return load_by_path("volviz_system_libraries", CHECKOUT / "volviz" / "system_libraries.py")
+    return load_by_path("volviz_system_libraries", CHECKOUT / "volviz" / "doctor" / "system_libraries.py")
 
 
 def load_by_path(name: str, path: Path) -> ModuleType:

@@ -10,12 +10,11 @@ import pytest
 
 import volviz
 from tests.render.scenes import camera, function, image, oracle, psnr, shown, volume
-from volviz.compare.stage import Stage, View
-from volviz.compare.timing import stage_timer
 from volviz.custom_gl.gpu.context import PRETEND_HARDWARE
 from volviz.custom_gl.gpu.resources import texel_limits
 from volviz.custom_gl.vtk import frame_uniforms
 from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.model.render_spec import RenderSpec, View
 
 SIZE = (48, 40)
 
@@ -116,12 +115,10 @@ def test_frame_times_are_also_taken_by_the_clock_of_the_gpu() -> None:
     with volviz.Renderer(size=SIZE) as renderer:
         renderer.render(of)
         assert not renderer.is_software
-    view = View(of, function(of), camera(of), SIZE)
-    with Stage(view, "raycast") as stage:
-        timer = stage_timer({"raycast": stage}, rounds=1)
-        for _ in timer.steps():
-            pass
-    assert len(timer.times["raycast"].gpu_seconds) == 1
+        spec = RenderSpec((volviz.ImageLayer(of, function(of)),))
+        seconds, gpu_seconds = renderer.timed(spec, View(camera(of), SIZE))
+    assert seconds > 0
+    assert gpu_seconds is not None
 
 
 @pytest.mark.parametrize("technique", ["raycast", "isosurface", "half_angle", "splatting", "marching_cubes"])

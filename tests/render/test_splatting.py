@@ -311,7 +311,7 @@ def test_quads_draw_the_same_picture_as_points() -> None:
             points = handle.read_image()
             assert not handle._runner.technique._layout.quads
             gpu.limits = dataclasses.replace(gpu.limits, max_point_size=1.0)
-            handle.update(splat_size=1.5)
+            handle.invalidate()
             plotter.render()
             handle.raise_error()
             assert handle._runner.technique._layout.quads

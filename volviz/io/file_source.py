@@ -63,6 +63,9 @@ class FileSource(VolumeSource):
         )  # fmt: skip
         with told_in_a_sentence(load):
             array = self.values(load)
+        if array.dtype.kind == "f" and array.dtype.itemsize > 8:
+            # nothing that draws takes more than doubles
+            array = array.astype(np.float64)
         try:
             return self.placed(array, request, notes=tuple(load.notes))
         except InputError as error:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
-from volviz.io.reader import HEAD_BYTES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
+from volviz.io.packed_files import GZIP, is_packed, open_unpacked, unpacked_head
+from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
 from volviz.io.table import READERS
 
 if TYPE_CHECKING:
@@ -119,7 +119,11 @@ def load(
 def open_file(request: LoadRequest) -> FileSource:
     """Find the reader for a job and let it open the file."""
     with told_in_a_sentence(request):
-        return _reader_for(request).open(request)
+        reader = _reader_for(request)
+        magic = _first_bytes(request.path)
+        if not is_packed(magic) or (reader.reads_gzip and magic.startswith(GZIP)):
+            return reader.open(request)
+        return open_unpacked(request, reader.open)
 
 
 def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
@@ -199,19 +203,22 @@ def _reader_for(request: LoadRequest) -> Reader:
 
 def _by_suffix(path: Path) -> Reader | None:
     name = path.name.lower()
+    for suffix in PACKED_SUFFIXES:
+        if name.endswith(suffix) and is_packed(_first_bytes(path)):
+            name = name.removesuffix(suffix)
     fitting = [(len(s), reader) for reader in READERS for s in reader.suffixes if name.endswith(s)]
     return max(fitting, key=lambda pair: pair[0])[1] if fitting else None
 
 
-def _head(path: Path) -> bytes:
-    """First bytes of a file, unpacked if it is gzipped; empty for folders."""
+def _first_bytes(path: Path) -> bytes:
+    """First bytes of a file; empty for folders."""
     if not path.is_file():
         return b""
     with path.open("rb") as stream:
-        head = stream.read(HEAD_BYTES)
-    if head[:2] == b"\x1f\x8b":
-        try:
-            return zlib.decompressobj(wbits=31).decompress(head, HEAD_BYTES)
-        except zlib.error:
-            return head
-    return head
+        return stream.read(HEAD_BYTES)
+
+
+def _head(path: Path) -> bytes:
+    """First bytes of a file, unpacked if it is packed; empty for folders."""
+    head = _first_bytes(path)
+    return (unpacked_head(path, HEAD_BYTES) or head) if is_packed(head) else head

@@ -47,6 +47,10 @@ _NIFTI1: dict[str, tuple[int, Any]] = {
     "cal_max": (124, "f4"),
     "cal_min": (128, "f4"),
     "toffset": (136, "f4"),
+    "glmax": (140, "i4"),
+    "glmin": (144, "i4"),
+    # Analyze alone
+    "spm_origin": (253, ("i2", 3)),
     "qform_code": (252, "i2"),
     "sform_code": (254, "i2"),
     "quatern": (256, ("f4", 3)),
@@ -117,7 +121,8 @@ def open_source(request: LoadRequest) -> FileSource:
     rank = int(header["dim"][0])
     if not 1 <= rank <= 7:
         raise request.error(f"its header gives {rank} dimensions; the file is damaged.")
-    sizes = [int(n) for n in header["dim"][1 : rank + 1]] + [1] * (3 - rank)
+    # sizes beyond the third that nobody has filled in are 0
+    sizes = [int(n) or int(at > 2) for at, n in enumerate(header["dim"][1 : rank + 1])] + [1] * (3 - rank)
     file = data_file if is_pair and data_file is not None else header_file
     smallest = 0 if is_pair else (544 if header["size"] == 540 else 352)
     offset = float(header["vox_offset"])
@@ -137,13 +142,18 @@ def open_source(request: LoadRequest) -> FileSource:
         payload = payload.frame(0)
     axes = "CTZYX"[-max(3, min(rank, 5)) :] + ("S" if code in _COLOURS else "")
 
+    slope, intercept = float(header["scl_slope"]), float(header["scl_inter"])
+    if np.isfinite(slope) and slope != 0 and not np.isfinite(intercept):
+        request.note("The file gives a slope for its values and no usable intercept; 0 is taken.")
+        intercept = 0.0
+
     def values(request: LoadRequest) -> npt.NDArray[Any]:
         array = read_part(payload, axes, request, colour=True)
         if array.dtype.kind == "c":
             request.note("Complex values are shown as their magnitude.")
             array = np.abs(array)
         elif code not in _COLOURS:
-            array = rescaled(array, float(header["scl_slope"]), float(header["scl_inter"]))
+            array = rescaled(array, slope, intercept)
         return array
 
     low, high = float(header["cal_min"]), float(header["cal_max"])
@@ -220,7 +230,7 @@ def _affine(header: dict[str, Any], request: LoadRequest) -> npt.NDArray[np.floa
 
 
 def _placed(header: dict[str, Any], request: LoadRequest) -> npt.NDArray[np.float64]:
-    matrix = affine(header)
+    matrix = _analyze_affine(header, request) if not header["magic"] else affine(header)
     if matrix is None:
         request.note("The file does not say how it lies in space; right, anterior, superior is taken.")
         steps = np.abs(np.asarray(header["pixdim"][1:4], float))
@@ -230,6 +240,60 @@ def _placed(header: dict[str, Any], request: LoadRequest) -> npt.NDArray[np.floa
         matrix = np.diag([*steps, 1.0])
     unit = _MILLIMETRES.get(int(header["xyzt_units"]) & 7, 1.0)
     return np.asarray(RAS_TO_LPS @ matrix[:3] * unit)
+
+
+def _analyze_affine(header: dict[str, Any], request: LoadRequest) -> npt.NDArray[np.float64]:
+    """Index to world (RAS) of an Analyze file, as SPM and nibabel take it: the first axis leads to the left.
+
+    A file of MATLAB beside it says more (SPM99, SPM2), else the header may hold the voxel that is the origin.
+    """
+    beside = _partner(request.path, ".mat")
+    found = None if beside is None else _matlab_affine(beside)
+    if found is not None:
+        return found
+    steps = np.abs(np.asarray(header["pixdim"][1:4], float))
+    if not np.all(np.isfinite(steps)) or steps.min() <= 0:
+        request.note("The file gives no distance between voxels; 1 is taken.")
+        steps = np.where(np.isfinite(steps) & (steps > 0), steps, 1.0)
+    sizes = np.maximum(np.asarray(header["dim"][1:4], float), 1)
+    # counted from 1
+    origin = np.asarray(header["spm_origin"], float)
+    if not np.any(origin) or np.any(origin < -sizes) or np.any(origin > 2 * sizes):
+        request.note(
+            "The file does not say how it lies in space; left, anterior, superior from its middle is taken."
+        )
+        origin = (sizes + 1) / 2
+    steps[0] = -steps[0]
+    result = np.diag([*steps, 1.0])
+    result[:3, 3] = -steps * (origin - 1)
+    return result
+
+
+def _matlab_affine(path: Path) -> npt.NDArray[np.float64] | None:
+    """The matrix "mat", or "M" of a mirrored x axis, from voxels that are counted from 1; None without either."""
+    from scipy.io import loadmat
+
+    try:
+        held = loadmat(path, variable_names=["mat", "M"])
+        matrix = np.asarray(held["mat"] if "mat" in held else np.diag([-1, 1, 1, 1]) @ held["M"], np.float64)
+        matrix = matrix.reshape(4, 4, -1)[..., 0].copy()
+    except Exception:  # noqa: BLE001 - what a damaged file raises inside the library has no end
+        return None
+    matrix[:3, 3] = matrix[:3] @ np.ones(4)
+    return matrix if is_usable(matrix[:3, :3]) and np.all(np.isfinite(matrix)) else None
+
+
+def _analyze_scaling(header: dict[str, Any]) -> tuple[float, float]:
+    """Slope and intercept of an Analyze file: SPM's, else those that its two ranges give, else none (0)."""
+    slope, intercept = float(header["scl_slope"]), float(header["scl_inter"])
+    if np.isfinite(slope) and slope != 0:
+        return slope, intercept if np.isfinite(intercept) else 0.0
+    low, high = int(header["glmin"]), int(header["glmax"])
+    first, last = float(header["cal_min"]), float(header["cal_max"])
+    if low < high and -np.inf < first < last < np.inf:
+        slope = (last - first) / (high - low)
+        return slope, first - slope * low
+    return 0.0, 0.0
 
 
 def _layout(head: bytes) -> tuple[dict[str, Any], Order] | None:
@@ -257,8 +321,9 @@ def _layout(head: bytes) -> tuple[dict[str, Any], Order] | None:
             # Analyze 7.5: what NIfTI uses for orientation and scaling holds other things there
             if size == 540 or not 1 <= header["dim"][0] <= 7:
                 continue
-            header.update(qform_code=0, sform_code=0, scl_slope=0.0, xyzt_units=0, intent_code=0)
-            header.update(cal_min=0.0, cal_max=0.0, toffset=0.0)
+            slope, intercept = _analyze_scaling(header)
+            header.update(qform_code=0, sform_code=0, xyzt_units=0, intent_code=0)
+            header.update(scl_slope=slope, scl_inter=intercept, cal_min=0.0, cal_max=0.0, toffset=0.0)
         return header, order
     return None
 

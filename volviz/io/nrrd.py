@@ -15,12 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from volviz.io.file_source import file_source
-from volviz.io.geometry import RAS_TO_LPS, Geometry, is_usable, vector
+from volviz.io.geometry import RAS_TO_LPS, is_usable
 from volviz.io.raw_payload import Encoding, RawPayload, check_sizes, read_part
 from volviz.io.reader import shortened, stem
+from volviz.volume_data.description import Channel, Label
 
 if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
+    from volviz.io.geometry import Geometry
     from volviz.io.reader import LoadRequest
 
 SUFFIXES = (".nrrd", ".nhdr")
@@ -47,7 +49,7 @@ _DTYPES = {name: code for code, names in _TYPES.items() for name in names.split(
 
 _ENCODINGS: dict[str, Encoding] = {
     "raw": "raw", "gzip": "gzip", "gz": "gzip", "bzip2": "bzip2", "bz2": "bzip2",
-    "ascii": "text", "text": "text", "txt": "text",
+    "ascii": "text", "text": "text", "txt": "text", "hex": "hex",
 }  # fmt: skip
 
 _TO_LPS = {"right-anterior-superior": RAS_TO_LPS, "ras": RAS_TO_LPS}
@@ -88,13 +90,20 @@ def open_source(request: LoadRequest) -> FileSource:
         raise request.error(
             f"the NRRD encoding {shortened(encoding)} cannot be read; save it with raw or gzip encoding."
         )
+    labels = _labels(fields)
+    is_labels = bool(labels) or request.path.name.lower().endswith(".seg.nrrd")
     order = ">" if fields.get("endian", "little").lower() == "big" else "<"
     payload = _payload(
         request, fields, end, tuple(sizes[::-1]), np.dtype(order + _DTYPES[kind]), _ENCODINGS[encoding]
     )
     check_sizes(payload, request)
     geometry, letters, colour = _axes(request, fields, sizes)
+    if is_labels:
+        # layers of labels, however many bits they have, are no components of a colour
+        colour = False
+        letters = letters.replace("S", "C")
     axes = letters[::-1]
+    layers = payload.shape[axes.index("C")] if "C" in axes else 1
     return file_source(
         request,
         lambda request: read_part(payload, axes, request, colour=colour),
@@ -103,6 +112,14 @@ def open_source(request: LoadRequest) -> FileSource:
         geometry,
         dtype=payload.dtype,
         colour=colour,
+        is_labels=is_labels,
+        # numbers that stand for one thing in one layer and for another in the next have no name as such
+        labels=[label for _, label in labels if sum(label.number == one.number for _, one in labels) == 1],
+        channels=[
+            Channel(", ".join(label.name for at, label in labels if at == layer)) for layer in range(layers)
+        ]
+        if labels
+        else (),
         format="NRRD",
         name=stem(request.path, SUFFIXES),
         unit=_quoted(fields.get("sampleunits", "")),
@@ -124,7 +141,12 @@ def _header(request: LoadRequest) -> tuple[dict[str, str], int]:
     fields: dict[str, str] = {}
     lines = text.splitlines()[1:]
     for number, line in enumerate(lines):
-        if line.startswith("#") or ":=" in line or ":" not in line:
+        if line.startswith("#") or ":" not in line:
+            continue
+        if ":=" in line:
+            if line.startswith("Segment"):
+                name, _, value = line.partition(":=")
+                fields[name] = value.strip()
             continue
         name, _, value = line.partition(":")
         key = name.lower().replace(" ", "")
@@ -160,7 +182,7 @@ def _payload(
         return replace(payload, offset=-1 if skip < 0 else start + skip)
     if encoding == "text":
         return replace(payload, offset=start + max(skip, 0))
-    return replace(payload, packed_offset=start, offset=max(skip, 0))
+    return replace(payload, packed_offset=start, offset=max(skip, -1))
 
 
 def _data_files(request: LoadRequest, detached: str, fields: dict[str, str]) -> tuple[Path, ...]:
@@ -240,9 +262,42 @@ def _axes(
         return request.geometry(np.c_[turn @ matrix, turn @ start]), letters, colour
     spacing = _numbers(fields.get("spacings", ""), len(sizes))
     lowest = _numbers(fields.get("axismins", ""), len(sizes))
-    steps = [spacing[axis] if np.isfinite(spacing[axis]) and spacing[axis] != 0 else 1.0 for axis in order]
-    start = np.array([lowest[axis] if np.isfinite(lowest[axis]) else 0.0 for axis in order])
-    return Geometry(vector(np.abs(steps)), vector(start)), letters, colour
+    highest = _numbers(fields.get("axismaxs", ""), len(sizes))
+    centring = (fields.get("centers") or fields.get("centerings") or "").lower().split()
+    steps, starts = [], []
+    for axis in order:
+        # samples lie in the middle of cells where the header does not say otherwise, as for other readers
+        is_cell = centring[axis] != "node" if len(centring) == len(sizes) else True
+        count = sizes[axis] if is_cell else sizes[axis] - 1
+        step = spacing[axis]
+        if not np.isfinite(step) and count > 0:
+            step = (highest[axis] - lowest[axis]) / count
+        if not np.isfinite(step) or step == 0:
+            request.note("The file does not say how far its voxels lie apart along every axis; 1 is taken.")
+            step = 1.0
+        steps.append(step)
+        starts.append(lowest[axis] + (step / 2 if is_cell else 0.0))
+    return request.geometry(np.c_[np.diag(steps), np.nan_to_num(starts)]), letters, colour
+
+
+def _labels(fields: dict[str, str]) -> list[tuple[int, Label]]:
+    """Segments that 3D Slicer writes, as ``Segment0_Name:=liver`` and the like, each with the number of its layer."""
+    found = []
+    for number in sorted(int(m[1]) for m in map(re.compile(r"Segment(\d+)_ID").fullmatch, fields) if m):
+
+        def said(name: str, number: int = number) -> str:
+            return fields.get(f"Segment{number}_{name}", "")
+
+        try:
+            color = tuple(min(max(float(word), 0.0), 1.0) for word in said("Color").split())
+            # every segment had a layer of its own before there were layers
+            layer, value = int(said("Layer") or number), int(said("LabelValue") or 1)
+        except ValueError:
+            continue
+        red, green, blue = color if len(color) == 3 else (0.0, 0.0, 0.0)
+        name = said("Name") or said("ID")
+        found.append((layer, Label(value, name, (red, green, blue) if len(color) == 3 else None)))
+    return found
 
 
 def _directions(

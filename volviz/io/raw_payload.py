@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import bz2
 import math
+import os
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import IO, TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
     from volviz.io.reader import LoadRequest
 
-Encoding = Literal["raw", "gzip", "bzip2", "text"]
+Encoding = Literal["raw", "gzip", "bzip2", "text", "hex"]
 
 BLOCK = 4 << 20
 """Bytes read at once: small enough to cancel within some 20 ms, large enough to cost nothing."""
@@ -51,11 +52,11 @@ class RawPayload:
         With byte order.
     offset : int
         Bytes before the values, of the *unpacked* stream for compressed data; -1 = the values end with the
-        file (plain data only).
+        file or that stream.
     packed_offset : int
         Bytes of the file before compressed data begins.
-    encoding : {"raw", "gzip", "bzip2", "text"}
-        "gzip" covers zlib streams too.
+    encoding : {"raw", "gzip", "bzip2", "text", "hex"}
+        "gzip" covers zlib streams too; "text" is one number after another, "hex" two digits a byte.
     whole : bool
         The values go on to the end of the stream; False for a `frame`.
     """
@@ -76,7 +77,8 @@ class RawPayload:
     @property
     def is_divisible(self) -> bool:
         """Whether a part can be found without what lies before: the values are one run of bytes."""
-        return len(self.files) == 1 and self.encoding != "text"
+        is_counted_from_its_end = self.offset < 0 and self.encoding != "raw"
+        return len(self.files) == 1 and self.encoding != "text" and not is_counted_from_its_end
 
     def frame(self, index: int) -> RawPayload:
         """One entry along the slowest axis alone: the only part that is read of a 4D file."""
@@ -112,16 +114,19 @@ def check_sizes(payload: RawPayload, request: LoadRequest) -> None:
                 f"the values should lie in {file.name}, which is not there; keep both files in one folder."
             )
         size = file.stat().st_size - payload.packed_offset
+        skip = max(payload.offset, 0)
         if payload.encoding == "raw":
-            there, wanted = size - max(payload.offset, 0), part
+            there, wanted = size - skip, part
         elif payload.encoding == "gzip":
-            there, wanted = size * DEFLATE_RATIO, part + payload.offset
+            there, wanted = size * DEFLATE_RATIO, part + skip
+        elif payload.encoding == "hex":
+            there, wanted = size // 2, part + skip
         elif payload.encoding == "text":
             # at least one digit and one blank a value; the last one may end the file
             there, wanted = size + 1, 2 * math.prod(payload.shape)
         else:
             # 45 bytes of bzip2 can hold 45,899,235 equal ones: the best ratio the format has
-            there, wanted = size * 1_100_000, part + payload.offset
+            there, wanted = size * 1_100_000, part + skip
         if there < wanted:
             raise request.error(
                 f"the file is cut off: the header promises {_amount(part)} bytes of values and the file "
@@ -149,6 +154,12 @@ def read_payload(payload: RawPayload, request: LoadRequest) -> npt.NDArray[Any]:
     if payload.encoding == "text":
         return _read_text(payload, request)
     request.report(0.0)
+    if payload.offset < 0 and payload.encoding != "raw":
+        quick = _unpack_at_once(_from_trailer(payload), request) if payload.encoding == "gzip" else None
+        if quick is not None:
+            request.report(1.0)
+            return quick
+        payload = replace(payload, offset=_bytes_before(payload, request))
     if payload.encoding == "gzip" and payload.whole and len(payload.files) == 1:
         quick = _unpack_at_once(payload, request)
         if quick is not None:
@@ -208,6 +219,37 @@ def _fill_plain(
             request.report(base + share * done / len(view))
 
 
+def _from_trailer(payload: RawPayload) -> RawPayload:
+    """Values at the end of a gzip stream, by the size (modulo 2^32) that its last four bytes claim."""
+    with payload.files[0].open("rb") as stream:
+        stream.seek(-4, os.SEEK_END)
+        claimed = int.from_bytes(stream.read(4), "little")
+    return replace(payload, offset=max(claimed - payload.nbytes, 0))
+
+
+def _bytes_before(payload: RawPayload, request: LoadRequest) -> int:
+    """Where values begin that are the last ones of an unpacked stream, which is gone through once for that."""
+    total = 0
+    try:
+        for block, fraction in _unpacked_blocks(payload.files[0], payload.packed_offset, payload.encoding):
+            total += len(block)
+            request.report(0.5 * fraction, "unpacking")
+    except (zlib.error, OSError, EOFError, ValueError):
+        raise request.error(_DAMAGED.get(payload.encoding, _DAMAGED["gzip"]), payload.files[0]) from None
+    if total < payload.nbytes:
+        raise request.error(
+            f"the file is cut off: the header promises {payload.nbytes:,} bytes of values, {total:,} are there.",
+            payload.files[0],
+        )
+    return total - payload.nbytes
+
+
+_DAMAGED = {
+    "gzip": "the compressed data is damaged; get the file again.",
+    "hex": "the values are not all hexadecimal digits; the file is damaged.",
+}
+
+
 def _unpack_at_once(payload: RawPayload, request: LoadRequest) -> npt.NDArray[Any] | None:
     """All values by libdeflate, or None when the stream is long or in any way unusual: zlib then decides."""
     file = payload.files[0]
@@ -256,7 +298,7 @@ def _fill_unpacked(
                     next(blocks, None)
                 return
     except (zlib.error, OSError, EOFError, ValueError):
-        raise request.error("the compressed data is damaged; get the file again.", file) from None
+        raise request.error(_DAMAGED.get(payload.encoding, _DAMAGED["gzip"]), file) from None
     raise request.error(
         f"the file is cut off: the header promises {len(view):,} bytes of values, {done:,} are there.",
         file,
@@ -268,6 +310,10 @@ def _unpacked_blocks(file: Path, start: int, encoding: Encoding) -> Iterator[tup
     size = max(file.stat().st_size, 1)
     with file.open("rb") as stream:
         stream.seek(start)
+        if encoding == "hex":
+            for digits, fraction in _without_breaks(stream, size, _BLANKS, b""):
+                yield memoryview(bytes.fromhex(digits.decode("ascii"))), fraction
+            return
         pending = b""
         while True:
             unpacker: Any = bz2.BZ2Decompressor() if encoding == "bzip2" else zlib.decompressobj(wbits=47)
@@ -287,19 +333,77 @@ def _unpacked_blocks(file: Path, start: int, encoding: Encoding) -> Iterator[tup
                 return
 
 
+_BLANKS = b" \t\r\n\v\f"
+
+
+def _without_breaks(
+    stream: IO[bytes], size: int, removed: bytes, separators: bytes
+) -> Iterator[tuple[bytes, float]]:
+    """The rest of a text in blocks that end between two values, and how much of the file is read.
+
+    Parameters
+    ----------
+    removed : bytes
+        Characters that are left out.
+    separators : bytes
+        What stands between values; without any, a value has two characters.
+    """
+    kept = b""
+    while True:
+        block = stream.read(BLOCK // 4)
+        text = kept + block.translate(None, removed)
+        if not block:
+            if text:
+                yield text, 1.0
+            return
+        end = max(text.rfind(c) for c in separators) + 1 if separators else len(text) // 2 * 2
+        kept = text[end:]
+        if end:
+            yield text[:end], stream.tell() / size
+
+
 def _read_text(payload: RawPayload, request: LoadRequest) -> npt.NDArray[Any]:
+    """Numbers in decimal digits, block by block: as words they take many times the memory of their values."""
     request.report(0.0)
-    count = math.prod(payload.shape)
-    words: list[bytes] = []
+    kind = payload.dtype.newbyteorder("=")
+    values = np.empty(math.prod(payload.shape), kind)
+    done = 0
     for file in payload.files:
-        words += file.read_bytes()[max(payload.offset, 0) :].replace(b",", b" ").split()
-        request.report(0.5)
-    if len(words) < count:
-        raise request.error(
-            f"the file is cut off: the header promises {count:,} values, {len(words):,} are there."
-        )
+        with file.open("rb") as stream:
+            stream.seek(max(payload.offset, 0))
+            for text, fraction in _without_breaks(stream, max(file.stat().st_size, 1), b"", _BLANKS + b","):
+                words = text.replace(b",", b" ").split()[: len(values) - done]
+                values[done : done + len(words)] = _numbers(words, kind, request)
+                done += len(words)
+                request.report(fraction)
+                if done == len(values):
+                    return values.reshape(payload.shape)
+    raise request.error(
+        f"the file is cut off: the header promises {len(values):,} values, {done:,} are there."
+    )
+
+
+def _numbers(words: list[bytes], kind: np.dtype[Any], request: LoadRequest) -> npt.NDArray[Any]:
+    """Words as numbers, whole ones to the last digit."""
+    if not words:
+        return np.empty(0, kind)
     try:
-        values = np.array(words[:count]).astype(np.float64)
-    except ValueError:
+        if kind.kind == "f":
+            return np.array(words).astype(np.float64)
+        try:
+            whole = np.array([int(word) for word in words], object)
+        except ValueError:
+            real = np.array(words).astype(np.float64)
+            if not np.all(real == np.trunc(real)):
+                raise request.error(
+                    f"not all of its values are numbers of the type {kind} that it names."
+                ) from None
+            whole = np.array([int(value) for value in real], object)
+    except (ValueError, OverflowError):
         raise request.error("the values are not all numbers; the file is damaged.") from None
-    return values.astype(payload.dtype.newbyteorder("=")).reshape(payload.shape)
+    limits = np.iinfo(kind)
+    if whole.min() < limits.min or whole.max() > limits.max:
+        raise request.error(
+            f"it holds values that the type {kind}, which it names, cannot hold; save it again."
+        )
+    return whole.astype(kind)

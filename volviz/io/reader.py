@@ -21,6 +21,9 @@ SAMPLE_PREFIX = "sample:"
 #: What is chosen when values are read, not when a file is opened.
 PART = ("level", "time", "channel", "box")
 
+#: Endings of files that are packed as a whole, behind that of their format.
+PACKED_SUFFIXES = (".gz", ".bz2", ".xz")
+
 #: Bytes of a file that `Reader.sniff` is given.
 HEAD_BYTES = 4096
 
@@ -46,6 +49,7 @@ class LoadOptions:
     series : str or int
         DICOM: series instance UID or number of the series in the folder, counted from 0.
         TIFF: number of the series in the file.
+        VTK: 0 for the arrays at points, 1 for those at cells, in a file that has both.
     """
 
     dims: tuple[int, int, int] | None = None
@@ -161,9 +165,9 @@ class LoadRequest:
 
 
 def stem(path: Path, suffixes: tuple[str, ...] = ()) -> str:
-    """Name of a file without the suffix of its format and without ``.gz``."""
+    """Name of a file without the suffix of its format and without ``.gz`` and the like."""
     name = path.name
-    for suffix in sorted((*suffixes, ".gz"), key=len, reverse=True):
+    for suffix in (*PACKED_SUFFIXES, *sorted(suffixes, key=len, reverse=True)):
         if name.lower().endswith(suffix) and len(name) > len(suffix):
             name = name[: -len(suffix)]
     return name if suffixes else (Path(name).stem or name)

@@ -26,12 +26,15 @@ class Reader:
         format.
     open : callable(LoadRequest) -> FileSource
         Reads headers, as far as the format has any; imports what it needs when called.
+    reads_gzip : bool
+        It unpacks what gzip has packed while it reads; other packed files are unpacked beforehand.
     """
 
     name: str
     suffixes: tuple[str, ...]
     sniff: Callable[[bytes, Path], bool]
     open: Callable[[LoadRequest], FileSource]
+    reads_gzip: bool = False
 
     @property
     def dialog_filter(self) -> str:
@@ -41,7 +44,7 @@ class Reader:
 
 #: Asked in this order; the raw reader comes last because it believes a name.
 READERS: tuple[Reader, ...] = (
-    Reader("NIfTI", nifti.SUFFIXES, nifti.sniff, nifti.open_source),
+    Reader("NIfTI", nifti.SUFFIXES, nifti.sniff, nifti.open_source, reads_gzip=True),
     Reader("NRRD", nrrd.SUFFIXES, nrrd.sniff, nrrd.open_source),
     Reader("MetaImage", metaimage.SUFFIXES, metaimage.sniff, metaimage.open_source),
     Reader("VTK image", vtk_files.SUFFIXES, vtk_files.sniff, vtk_files.open_source),
@@ -50,5 +53,5 @@ READERS: tuple[Reader, ...] = (
     Reader("TIFF", tiff.SUFFIXES, tiff.sniff, tiff.open_source),
     Reader("Pictures", image_stack.SUFFIXES, image_stack.sniff, image_stack.open_source),
     Reader("NumPy", numpy_files.SUFFIXES, numpy_files.sniff, numpy_files.open_source),
-    Reader("Raw", raw.SUFFIXES, raw.sniff, raw.open_source),
+    Reader("Raw", raw.SUFFIXES, raw.sniff, raw.open_source, reads_gzip=True),
 )

@@ -238,12 +238,67 @@ def test_header_and_image_may_be_two_files_opened_by_either(tmp_path):
         assert volume.name == "pair"
 
 
-def test_an_analyze_file_is_read_without_orientation(tmp_path):
-    array = scalars()
+@pytest.mark.parametrize("kind", [nibabel.AnalyzeImage, nibabel.Spm99AnalyzeImage, nibabel.Spm2AnalyzeImage])
+@pytest.mark.parametrize("has_matrix", [False, True])
+@pytest.mark.parametrize("order", "<>")
+def test_an_analyze_file_lies_and_is_scaled_as_nibabel_reads_it(tmp_path, kind, has_matrix, order):
+    array = scalars(dtype="float32")
+    image = kind(array, np.diag([-2.0, 3.0, 4.0, 1.0]), kind.header_class(endianness=order))
+    has_scale = kind is not nibabel.AnalyzeImage
+    image.set_data_dtype(np.int16 if has_scale else np.float32)
+    nibabel.save(image, tmp_path / "old.img")
+    if not has_matrix:
+        (tmp_path / "old.mat").unlink(missing_ok=True)
+    expected = nibabel.load(tmp_path / "old.img")
+    for name in ("old.img", "old.hdr"):
+        volume = load(tmp_path / name)
+        np.testing.assert_allclose(volume.array, expected.get_fdata().T, rtol=1e-5)
+        np.testing.assert_allclose(volume.index_to_world, LPS @ expected.affine, atol=1e-5)
+    is_told = has_matrix and has_scale
+    assert any("does not say how it lies" in note for note in volume.metadata["notes"]) is not is_told
+
+
+def test_the_origin_and_the_ranges_of_an_analyze_header_count_where_nothing_else_does(tmp_path):
+    array = scalars(dtype="int16")
     nibabel.save(nibabel.AnalyzeImage(array, None), tmp_path / "old.img")
-    volume = load(tmp_path / "old.hdr")
-    np.testing.assert_array_equal(volume.array, array.T)
-    assert any("does not say how it lies" in note for note in volume.metadata["notes"])
+    header = bytearray((tmp_path / "old.hdr").read_bytes())
+    header[253:259] = np.array([2, 3, 4], "<i2").tobytes()
+    header[124:132] = np.array([50, -10], "<f4").tobytes()
+    header[140:148] = np.array([3000, 0], "<i4").tobytes()
+    (tmp_path / "old.hdr").write_bytes(header)
+    volume, expected = load(tmp_path / "old.hdr"), nibabel.load(tmp_path / "old.img")
+    np.testing.assert_allclose(volume.array, expected.get_fdata().T, rtol=1e-5, atol=1e-3)
+    np.testing.assert_allclose(volume.index_to_world, LPS @ expected.affine, atol=1e-5)
+    (tmp_path / "old.mat").write_bytes(b"no matrix of MATLAB")
+    np.testing.assert_allclose(load(tmp_path / "old.hdr").origin, volume.origin)
+
+
+def test_sizes_of_0_beyond_the_third_are_1(tmp_path):
+    array = scalars()
+    path = save(tmp_path / "v.nii", array[..., None], affine_of(1))
+    raw = bytearray(path.read_bytes())
+    raw[40:50] = np.array([4, *array.shape, 0], "<i2").tobytes()
+    path.write_bytes(raw)
+    np.testing.assert_array_equal(load(path).array, array.T)
+
+
+def test_a_slope_without_an_intercept_is_applied_and_told(tmp_path):
+    path = save(tmp_path / "v.nii", scalars(), affine_of(1))
+    raw = bytearray(path.read_bytes())
+    raw[112:120] = np.array([2.0, np.nan], "<f4").tobytes()
+    path.write_bytes(raw)
+    volume = load(path)
+    np.testing.assert_array_equal(volume.array, 2 * scalars().T.astype(np.int32))
+    assert any("intercept" in note for note in volume.metadata["notes"])
+
+
+def test_long_doubles_have_no_agreed_form_in_nifti_and_are_refused(tmp_path):
+    path = save(tmp_path / "v.nii", scalars(), affine_of(1))
+    raw = bytearray(path.read_bytes())
+    raw[70:72] = np.array([1536], "<i2").tobytes()
+    path.write_bytes(raw)
+    with pytest.raises(LoadError, match="data type 1536 cannot be shown"):
+        load(path)
 
 
 def test_nan_and_infinity_stay_and_are_counted(tmp_path):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import bz2
 import gzip
+import re
+import tracemalloc
 import zlib
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import SimpleITK
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import volviz
 from tests.unit.io.writers import ORIGIN, SPACING, itk, rotation, scalars
 from volviz.errors import InputError, LoadError
 from volviz.io import load
@@ -80,12 +83,13 @@ BASE = "type: short\ndimension: 3\nsizes: 4 3 2\n"
 
 
 @pytest.mark.parametrize("end", ["little", "big"])
-@pytest.mark.parametrize("encoding", ["raw", "gzip", "gz", "bzip2", "ascii"])
+@pytest.mark.parametrize("encoding", ["raw", "gzip", "gz", "bzip2", "ascii", "hex"])
 def test_every_nrrd_encoding_and_byte_order_is_read(tmp_path, encoding, end):
     array = scalars((2, 3, 4))
     raw = array.astype("<i2" if end == "little" else ">i2").tobytes()
     text = " ".join(str(v) for v in array.ravel()).encode()
     data = {"raw": raw, "gzip": gzip.compress(raw), "gz": gzip.compress(raw), "bzip2": bz2.compress(raw)}
+    data["hex"] = b"\n".join(raw.hex(" ").encode()[at : at + 61] for at in range(0, 200, 61))
     path = nrrd(tmp_path / "v.nrrd", f"{BASE}encoding: {encoding}\nendian: {end}", data.get(encoding, text))
     np.testing.assert_array_equal(load(path).array, array)
 
@@ -207,7 +211,8 @@ def test_files_that_are_cut_off_are_refused_in_words(tmp_path, suffix, compresse
     ("lines", "words"),
     [
         ("type: block\ndimension: 3\nsizes: 4 3 2\nencoding: raw", "type 'block'"),
-        (f"{BASE}encoding: hex", "encoding 'hex'"),
+        (f"{BASE}encoding: base64", "encoding 'base64'"),
+        ("type: short\ndimension: 3\nsizes: 2 3 2\nencoding: hex", "hexadecimal"),
         ("type: short\ndimension: 4\nsizes: 4 3 2\nencoding: raw", "dimensions"),
         ("type: short\ndimension: 2\nsizes: 4 3\nencoding: raw", "needs three axes, this file has 2"),
         ("type: short\nsizes: 4 three 2\nencoding: raw", "no readable"),
@@ -296,3 +301,132 @@ def test_packed_values_at_the_end_of_a_file_of_their_own_are_found(tmp_path):
     lines = f"ElementType = MET_SHORT\nCompressedData = True\nCompressedDataSize = {len(packed)}\nHeaderSize = -1\n"
     path = meta(tmp_path / "v.mhd", f"{lines}ElementDataFile = v.zraw\n")
     np.testing.assert_array_equal(load(path).array, array)
+
+
+@pytest.mark.parametrize(("encoding", "pack"), [("gzip", gzip.compress), ("bzip2", bz2.compress)])
+@pytest.mark.parametrize("before", [0, 7, 352])
+def test_the_last_values_of_a_packed_stream_are_those_of_byte_skip_minus_one(
+    tmp_path, encoding, pack, before
+):
+    array = scalars((2, 3, 4))
+    raw = bytes(before) + array.tobytes()
+    lines = f"{BASE}endian: little\nencoding: {encoding}\nbyte skip: -1"
+    np.testing.assert_array_equal(load(nrrd(tmp_path / "v.nrrd", lines, pack(raw))).array, array)
+    # two members of a stream: its last four bytes are no size of the whole
+    parts = pack(raw[:20]) + pack(raw[20:])
+    np.testing.assert_array_equal(load(nrrd(tmp_path / "two.nrrd", lines, parts)).array, array)
+    with pytest.raises(LoadError, match="cut off"):
+        load(nrrd(tmp_path / "short.nrrd", lines, pack(array.tobytes()[1:])))
+
+
+def test_a_detached_header_over_a_packed_nifti_file_finds_its_values(tmp_path):
+    array = scalars((5, 6, 7))
+    itk(tmp_path / "v.nii.gz", array)
+    lines = "type: short\ndimension: 3\nsizes: 7 6 5\nendian: little\nencoding: gzip\nbyte skip: -1\n"
+    path = nrrd(tmp_path / "v.nhdr", f"{lines}data file: v.nii.gz")
+    np.testing.assert_array_equal(load(path).array, array)
+    np.testing.assert_array_equal(load(path, box=(0, 7, 0, 6, 2, 4)).array, array[2:4])
+
+
+@pytest.mark.parametrize("kind", ["int64", "uint64"])
+def test_whole_numbers_in_text_keep_all_their_digits(tmp_path, kind):
+    array = np.array([2**53 + 1, np.iinfo(kind).max, np.iinfo(kind).min, 5] * 6, kind).reshape(2, 3, 4)
+    lines = f"type: {kind}\ndimension: 3\nsizes: 4 3 2\nencoding: text"
+    text = ",".join(str(v) for v in array.ravel()).encode()
+    np.testing.assert_array_equal(load(nrrd(tmp_path / "v.nrrd", lines, text)).array, array)
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [("200", "cannot hold"), ("1.5", "int8"), ("one", "not all numbers"), ("nan", "int8")],
+)
+def test_numbers_in_text_that_are_none_of_their_type_are_refused(tmp_path, number, words):
+    lines = "type: int8\ndimension: 3\nsizes: 4 3 2\nencoding: text"
+    with pytest.raises(LoadError, match=words):
+        load(nrrd(tmp_path / "v.nrrd", lines, f"{number} ".encode() * 24))
+    for whole in ("7", "7.0", "0.7e1"):
+        assert load(nrrd(tmp_path / "v.nrrd", lines, f"{whole} ".encode() * 24)).array.max() == 7
+
+
+def test_long_texts_take_little_more_memory_than_their_values(tmp_path):
+    array = scalars((64, 64, 128))
+    text = " ".join(str(v) for v in array.ravel()).encode()
+    lines = "type: short\ndimension: 3\nsizes: 128 64 64\nencoding: text"
+    path = nrrd(tmp_path / "v.nrrd", lines, text)
+    tracemalloc.start()
+    try:
+        np.testing.assert_array_equal(load(path).array, array)
+        assert tracemalloc.get_traced_memory()[1] < 32 * 2**20
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("lines", "has_spacing"),
+    [
+        ("spacings: 1 2 3\naxis mins: 10 20 30", True),
+        ("spacings: 1 2 3\naxis mins: 10 20 30\ncenters: cell cell cell", True),
+        ("spacings: 1 2 3\naxis mins: 10 20 30\ncenterings: node node node", True),
+        ("spacings: 1 2 3\naxis mins: 0 0 0\ncenters: cell node ???", True),
+        ("spacings: 1 2 3\ncenters: cell cell cell", True),
+        ("spacings: 1 -2 3", True),
+        ("axis mins: 10 20 30\naxis maxs: 14 26 34\ncenters: cell cell cell", False),
+        ("axis mins: 10 20 30\naxis maxs: 14 26 34\ncenters: node node node", False),
+    ],
+)
+def test_spacings_and_ends_of_axes_of_a_nrrd_are_read_as_by_simpleitk(tmp_path, lines, has_spacing):
+    path = nrrd(tmp_path / "v.nrrd", f"{BASE}encoding: raw\nendian: little\n{lines}", bytes(48))
+    volume, image = load(path), SimpleITK.ReadImage(str(path))
+    np.testing.assert_allclose(volume.origin, image.GetOrigin())
+    np.testing.assert_array_equal(volume.direction.ravel(), image.GetDirection())
+    # SimpleITK takes 1 where there are the ends of an axis alone
+    ends = (4 / 3, 3, 4) if "node" in lines else (1, 2, 2)
+    np.testing.assert_allclose(volume.spacing, image.GetSpacing() if has_spacing else ends)
+
+
+SEGMENTS = """\
+Segment0_ID:=Segment_1
+Segment0_Name:=liver
+Segment0_Color:=1 0.5 0
+Segment0_Layer:=0
+Segment0_LabelValue:=1
+Segment1_ID:=Segment_2
+Segment1_Layer:=1
+Segment1_LabelValue:=2
+Segment2_ID:=Segment_3
+Segment2_Name:=vein
+Segment2_Layer:=2
+Segment2_LabelValue:=3"""
+
+
+def test_layers_of_a_segmentation_are_channels_of_labels_with_names_and_colours(tmp_path):
+    array = scalars((2, 3, 4, 3), "uint8")
+    lines = (
+        "type: uchar\ndimension: 4\nsizes: 3 4 3 2\nencoding: raw\nkinds: list domain domain domain\n"
+        f"space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n{SEGMENTS}"
+    )
+    path = nrrd(tmp_path / "v.seg.nrrd", lines, array.tobytes())
+    source = volviz.open(path)
+    assert source.is_labels
+    assert [(label.number, label.name, label.color) for label in source.labels] == [
+        (1, "liver", (1.0, 0.5, 0.0)), (2, "Segment_2", None), (3, "vein", None),
+    ]  # fmt: skip
+    assert [channel.name for channel in source.channels] == ["liver", "Segment_2", "vein"]
+    volume = load(path)
+    np.testing.assert_array_equal(volume.array, array[..., 0])
+    assert "first of 3 channels" in volume.metadata["notes"][0]
+    np.testing.assert_array_equal(load(path, channel=2).array, array[..., 2])
+
+
+def test_one_layer_of_a_segmentation_names_all_its_labels(tmp_path):
+    lines = f"{BASE}encoding: raw\nendian: little\n" + re.sub(r"Layer:=\d", "Layer:=0", SEGMENTS)
+    source = volviz.open(nrrd(tmp_path / "v.nrrd", lines, bytes(48)))
+    assert source.is_labels
+    assert [label.number for label in source.labels] == [1, 2, 3]
+    assert [channel.name for channel in source.channels] == ["liver, Segment_2, vein"]
+    # layers of old files all hold the number 1, which has no name then
+    lines = re.sub(r"LabelValue:=\d", "LabelValue:=1", SEGMENTS)
+    source = volviz.open(
+        nrrd(tmp_path / "v.nrrd", f"{BASE}encoding: raw\nendian: little\n{lines}", bytes(48))
+    )
+    assert source.labels == ()

@@ -170,3 +170,11 @@ def test_a_raw_file_that_begins_like_another_format_is_what_its_name_says_to_the
     path = tmp_path / ("v_7x6x5_uint16.raw" + (".gz" if packed else ""))
     path.write_bytes(gzip.compress(array.tobytes()) if packed else array.tobytes())
     np.testing.assert_array_equal(load(path).array, array)
+
+
+def test_long_doubles_of_numpy_become_doubles(tmp_path):
+    array = scalars(dtype="float64")
+    np.save(tmp_path / "v.npy", array.astype(np.longdouble))
+    volume = load(tmp_path / "v.npy")
+    assert volume.array.dtype == np.float64
+    np.testing.assert_array_equal(volume.array, array)

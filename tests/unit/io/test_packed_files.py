@@ -1,0 +1,112 @@
+"""Files of any format that are packed as a whole."""
+
+from __future__ import annotations
+
+import bz2
+import gc
+import gzip
+import lzma
+import tempfile
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import volviz
+from tests.unit.io.writers import dicom_slice, itk, scalars
+from volviz.errors import Cancelled, LoadError
+from volviz.io import load, packed_files
+
+PACK = {".gz": gzip.compress, ".bz2": bz2.compress, ".xz": lzma.compress}
+
+
+def plain(folder, name):
+    """A file of the format that a name says, with the same values in each."""
+    array = scalars()
+    path = folder / name
+    if path.suffix == ".npy":
+        np.save(path, array)
+    elif path.suffix == ".tif":
+        tifffile = pytest.importorskip("tifffile")
+        tifffile.imwrite(path, array, imagej=False, photometric="minisblack")
+    elif path.suffix == ".raw":
+        path.write_bytes(array.tobytes())
+    elif path.suffix == ".vti":
+        import pyvista
+
+        grid = pyvista.ImageData(dimensions=array.shape[::-1])
+        grid["v"] = array.ravel()
+        grid.save(path)
+    else:
+        itk(path, array)
+    return path, array
+
+
+@pytest.fixture
+def temporary(tmp_path, monkeypatch):
+    """An empty folder for temporary files."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+@pytest.mark.parametrize("packing", PACK)
+@pytest.mark.parametrize(
+    "name", ["v.nrrd", "v.mha", "v.npy", "v.tif", "v.vti", "v.vtk", "v.nii", "v_9x7x5_int16.raw"]
+)
+def test_a_packed_file_opens_as_if_unpacked(tmp_path, temporary, name, packing):
+    path, array = plain(tmp_path, name)
+    packed = path.with_name(path.name + packing)
+    packed.write_bytes(PACK[packing](path.read_bytes()))
+    expected = load(path)
+    path.unlink()
+    source = volviz.open(packed)
+    volume = source.read()
+    np.testing.assert_array_equal(volume.array, array)
+    np.testing.assert_array_equal(volume.index_to_world, expected.index_to_world)
+    assert volume.metadata["source"] == str(packed)
+    assert volume.name == expected.name
+    np.testing.assert_array_equal(source.read(box=(0, 9, 0, 7, 1, 3)).array, array[1:3])
+    del source
+    gc.collect()
+    assert list(temporary.iterdir()) == []
+
+
+def test_a_packed_dicom_slice_stack_is_found_by_its_content(tmp_path, temporary):
+    path = dicom_slice(tmp_path / "a.dcm", scalars((3, 4, 5)), (0, 0, 0), NumberOfFrames=3)
+    packed = tmp_path / "b"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    assert load(packed).dimensions == load(path).dimensions
+
+
+@pytest.mark.parametrize("packing", PACK)
+def test_damaged_packed_files_are_refused_in_words_and_leave_nothing_behind(tmp_path, temporary, packing):
+    path, _ = plain(tmp_path, "v.nrrd")
+    raw = PACK[packing](path.read_bytes())
+    packed = tmp_path / f"v.nrrd{packing}"
+    for part in (raw[: len(raw) // 2], raw[:12], raw[:40] + bytes(40) + raw[80:]):
+        packed.write_bytes(part)
+        with pytest.raises(LoadError, match=r"^v\.nrrd\.\w+: .*(damaged|cut off)"):
+            load(packed)
+    assert list(temporary.iterdir()) == []
+
+
+def test_what_a_packed_file_holds_must_be_a_volume_that_finds_room(tmp_path, temporary, monkeypatch):
+    packed = tmp_path / "notes.txt.gz"
+    packed.write_bytes(gzip.compress(b"not a volume"))
+    with pytest.raises(LoadError, match="no reader knows"):
+        load(packed)
+    path, _ = plain(tmp_path, "v.npy")
+    packed = tmp_path / "v.npy.gz"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    with pytest.raises(Cancelled):
+        load(packed, cancel=lambda: True)
+    header = tmp_path / "v.nhdr.gz"
+    header.write_bytes(gzip.compress(b"NRRD0004\ntype: short\ndata file: v.raw\n"))
+    with pytest.raises(LoadError, match="unpack it first"):
+        load(header)
+    monkeypatch.setattr(packed_files.shutil, "disk_usage", lambda _: SimpleNamespace(free=0))
+    with pytest.raises(LoadError, match="more room than is free"):
+        load(packed)
+    assert list(temporary.iterdir()) == []
