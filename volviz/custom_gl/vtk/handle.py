@@ -32,7 +32,7 @@ class VolumeHandle(ViewRenderer):
     Attributes
     ----------
     error, status, on_status, quality, accumulates, share, on_gpu_clock
-        See `volviz.custom_gl.vtk.view_renderer.Drawing`.
+        See `volviz.custom_gl.vtk.view_renderer.ViewRenderer`.
     handles : Manipulators or None
         What can be dragged in the image, while it is shown (`show_manipulators`).
     """
