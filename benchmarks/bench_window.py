@@ -56,12 +56,12 @@ OUR_WINDOW = """
 import os, sys, time
 import volviz_ui.app.start
 from PySide6.QtCore import QTimer
-from volviz_ui import main_window
+from volviz_ui.app import main_window
 begin = main_window.MainWindow.__init__
 def init(self, *arguments, **keywords):
     begin(self, *arguments, **keywords)
     def look():
-        if self.display.is_complete and self.display.status.seconds > 0:
+        if self.controller.is_complete and self.controller.status.seconds > 0:
             print(time.time(), time.process_time(), flush=True)
             os._exit(0)
     timer = QTimer(self)

@@ -13,14 +13,28 @@ if TYPE_CHECKING:
 
 
 def techniques() -> dict[str, TechniqueInfo]:
-    """All rendering techniques by id, with label, summary and described settings."""
+    """All rendering techniques by id.
+
+    Returns
+    -------
+    dict of str to TechniqueInfo
+        In the order in which they are listed. ``label`` and ``summary`` are words for people, ``parameters`` the
+        described settings (name, kind, limits, unit, default).
+    """
     from volviz.custom_gl.registry import techniques as registered
 
     return registered()
 
 
 def presets() -> dict[str, Preset]:
-    """All bundled transfer-function presets by id."""
+    """All bundled transfer-function presets by id.
+
+    Returns
+    -------
+    dict of str to Preset
+        The values of ``transfer_function`` are in Hounsfield units where ``unit`` is "HU", else fractions 0..1 of the
+        data's range; ``window`` says of which range.
+    """
     from volviz.model.transfer.presets import presets as bundled
 
     return bundled()

@@ -45,7 +45,7 @@ def shot(window: Any) -> Any:
 def place_of(handle: Any, grip: str) -> tuple[int, int]:
     """The pixel in the middle of a manipulator, at which it can be held."""
     x, y = (round(v) for v in handle.manipulators.place(grip))
-    assert handle.manipulators.grip_at(x, y) == grip
+    assert handle.manipulators.part_at(x, y) == grip
     return x, y
 
 
@@ -94,7 +94,7 @@ def test_dragging_the_knob_of_the_light_moves_it_around_the_volume() -> None:
         assert np.linalg.norm(after - before) > 0.2 * np.linalg.norm(before - center)
         assert np.linalg.norm(after - center) == pytest.approx(np.linalg.norm(before - center))
         assert window.camera.position == view
-        assert handle.manipulators.grip_at(x + 60, y + 40) == "light"
+        assert handle.manipulators.part_at(x + 60, y + 40) == "light"
 
 
 def test_dragging_the_arrow_tilts_the_plane_and_its_knob_pushes_it() -> None:
@@ -120,7 +120,7 @@ def test_a_drag_beside_the_handles_turns_the_camera() -> None:
         window.enable_trackball_style()
         before, light = window.camera.position, handle.light_position
         x, y = 100, 110
-        assert handle.manipulators.grip_at(x, y) is None
+        assert handle.manipulators.part_at(x, y) is None
         drag(window, (x, y), (x + 30, y))
         assert window.camera.position != before
         assert handle.light_position == light

@@ -27,7 +27,7 @@ def show(window: MainWindow, technique: str, wait_for: Wait) -> None:
 def place_of(window: MainWindow, grip: str) -> QPoint:
     """The pixel in the middle of a manipulator, at which it can be held."""
     x, y = (round(v) for v in window.viewport.manipulators.place(grip))
-    assert window.viewport.manipulators.grip_at(x, y) == grip
+    assert window.viewport.manipulators.part_at(x, y) == grip
     return QPoint(x, y)
 
 
@@ -53,13 +53,13 @@ def test_the_knob_of_the_light_moves_it_as_one_step(window: MainWindow, wait_for
     assert after.position is not None
     assert after.position != before.position
     assert window.viewport.view_camera == camera
-    assert window.viewport.manipulators.grip_at(at.x() + 70, at.y() + 60) == "light"
+    assert window.viewport.manipulators.part_at(at.x() + 70, at.y() + 60) == "light"
     assert window.store.undo_label == "Move the light"
     window.commands["edit.undo"].trigger()
     assert window.store.scene.light == before
     assert window.store.undo_label is None
     # the manipulator follows
-    assert window.viewport.manipulators.grip_at(at.x(), at.y()) == "light"
+    assert window.viewport.manipulators.part_at(at.x(), at.y()) == "light"
 
 
 def test_the_cut_plane_is_tilted_and_pushed_by_its_knobs(window: MainWindow, wait_for: Wait) -> None:
@@ -102,7 +102,7 @@ def test_beside_the_knobs_a_drag_turns_the_volume(window: MainWindow, wait_for: 
     show(window, "bump_mapping", wait_for)
     scene, camera = window.store.scene, window.viewport.view_camera
     start = window.viewport.rect().center() + QPoint(60, 60)
-    assert window.viewport.manipulators.grip_at(start.x(), start.y()) is None
+    assert window.viewport.manipulators.part_at(start.x(), start.y()) is None
     drag(window.viewport, start, start + QPoint(40, 0))
     assert window.viewport.view_camera != camera
     assert window.store.scene.light == scene.light

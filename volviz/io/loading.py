@@ -97,9 +97,10 @@ def load(
     Returns
     -------
     Volume
-        ``metadata`` holds ``"source"`` (path as given, absolute), ``"format"``, ``"length_unit"`` ("mm",
-        "µm" or "" when unknown) and ``"notes"`` (a tuple of sentences for the user: what was chosen or
-        changed).
+        ``array`` has shape (Z, Y, X) in the file's own data type; ``spacing``, ``origin`` and ``direction`` are
+        (x, y, z) in the LPS frame and in ``"length_unit"``. ``metadata`` holds ``"source"`` (path as given,
+        absolute), ``"format"``, ``"length_unit"`` ("mm", "µm" or "" when unknown) and ``"notes"`` (a tuple of
+        sentences for the user: what was chosen or changed).
 
     Raises
     ------

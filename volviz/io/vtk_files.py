@@ -18,6 +18,7 @@ from volviz.io.axes import choose, to_zyx
 from volviz.io.file_source import file_source
 from volviz.io.memory import check_memory
 from volviz.io.reader import stem
+from volviz.io.vtk_blocks import are_believable
 from volviz.io.vtk_messages import vtk_complaints
 from volviz.volume_data.description import Channel
 
@@ -256,17 +257,19 @@ def _check_xml(request: LoadRequest, header: _Header, sizes: list[int]) -> None:
     """Refuse an XML file whose arrays cannot have been packed into it, or do not fit into memory."""
     counts = [high - low + 1 for low, high in zip(header.extent[::2], header.extent[1::2], strict=True)]
     points, cells = math.prod(counts), math.prod(max(n - 1, 1) for n in counts)
-    wanted = 0
-    for count, arrays in ((points, header.points), (cells, header.cells)):
-        wanted += sum(
-            count * components * each
-            for (_, components), each in zip(arrays.listed, sizes[: len(arrays.listed)], strict=True)
-        )
-        sizes = sizes[len(arrays.listed) :]
+    each = [
+        count * components
+        for count, arrays in ((points, header.points), (cells, header.cells))
+        for _, components in arrays.listed
+    ]
+    wanted = sum(count * size for count, size in zip(each, sizes, strict=True))
     if wanted > request.path.stat().st_size * PACKING:
         raise request.error(
             f"the file is cut off: its header promises {wanted:,} bytes of values, more than it can hold."
         )
+    # arrays beside those of numbers are small
+    if not are_believable(request.path, max(wanted, 8 * points, 1 << 20)):
+        raise request.error("its packed values are not listed as they should be; the file is damaged.")
     check_memory(request, wanted)
 
 

@@ -193,7 +193,7 @@ def test_alt_drag_in_the_plot_shifts_too(editor, store, drag) -> None:
 def test_a_colour_stop_moves_and_the_opacities_stay(editor, store, drag) -> None:
     plot = editor.plot
     before = function(store)
-    at = QPointF(plot.places.x(0), plot.places.stops.center().y())
+    at = QPointF(plot.places.x(0), plot.places.color_points.center().y())
     drag(plot, at, at + QPointF(80, 0))
     after = function(store)
     probe = np.linspace(-900, 1400, 200)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import re
+
 import numpy as np
 import pytest
 import pyvista
@@ -116,3 +119,44 @@ def test_an_xml_file_that_does_not_fit_into_memory_is_refused(tmp_path, monkeypa
     grid(density=scalars(SHAPE)).save(tmp_path / "v.vtk")
     with pytest.raises(LoadError, match="of memory"):
         load(tmp_path / "v.vtk")
+
+
+@pytest.mark.parametrize("mode", ["Appended", "Binary"])
+@pytest.mark.parametrize("is_text", [False, True])
+@pytest.mark.parametrize("header", ["UInt32", "UInt64"])
+def test_damaged_lists_of_packed_blocks_do_not_reach_vtk(tmp_path, mode, is_text, header):
+    from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+    array = scalars((40, 40, 40))
+    image = pyvista.ImageData(dimensions=(40, 40, 40))
+    image["v"] = array.ravel()
+    path = tmp_path / "v.vti"
+    writer = vtkXMLImageDataWriter()
+    writer.SetInputData(image)
+    writer.SetFileName(str(path))
+    getattr(writer, f"SetDataModeTo{mode}")()
+    getattr(writer, f"SetHeaderTypeTo{header}")()
+    writer.SetCompressorTypeToZLib()
+    writer.SetEncodeAppendedData(is_text)
+    writer.Write()
+    np.testing.assert_array_equal(load(path).array, array)
+    raw, size = path.read_bytes(), 4 if header == "UInt32" else 8
+    is_raw = mode == "Appended" and not is_text
+    if is_raw:
+        at = raw.index(b"_", raw.index(b"<AppendedData")) + 1
+        count = 4 * size
+    else:
+        at = re.search(rb"(?:_|>)\s*([A-Za-z0-9+/]{30,})", raw).start(1)
+        count = -(-4 * size // 3) * 4
+    piece = raw[at : at + count]
+    numbers = piece if is_raw else base64.b64decode(piece)
+    for place in range(4):
+        for value in (0, 2**31 - 1) if place != 2 else (2**31 - 1,):
+            if place == 3 and value == 0:
+                continue
+            bad = bytearray(numbers)
+            bad[place * size : (place + 1) * size] = value.to_bytes(size, "little")
+            text = bytes(bad) if is_raw else base64.b64encode(bytes(bad))
+            path.write_bytes(raw[:at] + text[:count] + raw[at + count :])
+            with pytest.raises(LoadError, match="damaged"):
+                load(path)

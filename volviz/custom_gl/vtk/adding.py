@@ -66,7 +66,8 @@ def add_volume(
     Returns
     -------
     VolumeHandle
-        ``update(...)`` changes what is shown, ``remove()`` takes it away.
+        ``update(...)`` changes what is shown, ``remove()`` takes it away; ``read_image()`` gives the finished image,
+        shape (H, W, 4), float32, premultiplied, row 0 at the top.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """What can be dragged in the image: the light, and the cut plane with its normal.
 
-A technique declares its handles (`TechniqueInfo.handles`); here they are drawn as one actor in VTK's overlay, found
+A technique declares its manipulators (`TechniqueInfo.manipulators`); here they are one actor in VTK's overlay, found
 under the pointer, and moved. In a plain plotter they listen to VTK's interactor; a window with a mouse of its own
 calls `hover`, `grab`, `drag` and `release`.
 """

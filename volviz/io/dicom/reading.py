@@ -76,9 +76,6 @@ def _frames(request: LoadRequest) -> list[Frame]:
     path = request.path
     if path.is_dir():
         return _of_files(request, list(files_below(path)))
-    with path.open("rb") as stream:
-        if stream.read(2) == b"\x1f\x8b":
-            raise request.error("this DICOM file is packed by gzip; unpack it first.")
     if path.name.upper() == DIRECTORY_NAME or not (own := read_frames(path)):
         listed = files_of_directory(path)
         if listed:

@@ -25,7 +25,7 @@ TECHNIQUE = TechniqueInfo(
         "specular": "acts with shading",
         "shininess": "acts with shading",
         "gradient_delta": "acts with shading or gradient opacity",
-        "reverse": "both orders give the same picture; the displays show the difference",
+        "reverse": "both orders give the same image; the debug views show the difference",
     },
     order=30,
     study=sample_distances(converged="raycast"),
