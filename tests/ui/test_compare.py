@@ -138,7 +138,7 @@ def test_closing_the_left_half_leaves_the_right_one(split: MainWindow, wait_for:
 
 
 def test_a_closed_view_leaves_nothing_behind(split: MainWindow, wait_for: Wait) -> None:
-    names = ("vtkGenericOpenGLRenderWindow", "Viewport", "Display", "Pane")
+    names = ("vtkGenericOpenGLRenderWindow", "Viewport", "ViewController", "ViewWidget")
 
     def count() -> list[int]:
         gc.collect()

@@ -28,7 +28,7 @@ class Measurements(QObject):
     """Measures on a worker while somebody looks at the metrics, and takes times when asked."""
 
     figures_found = Signal(object)
-    """`PairFigures` of the complete pictures."""
+    """`PairMetrics` of the complete images."""
     times_found = Signal(object)
     """Two `FrameTimes`, A and B, or None when those that were shown no longer hold."""
     timing_progressed = Signal(object)
@@ -36,9 +36,9 @@ class Measurements(QObject):
     gpu_clock_found = Signal(str)
     """Name of a renderer whose GPU clock says nothing, empty where there is a clock."""
     state_changed = Signal(str)
-    """What is being done, or what the figures are of."""
+    """What is being done, or what the metrics are of."""
     emptied = Signal(str)
-    """There are no figures any more, and why."""
+    """There are no metrics any more, and why."""
     convergence_outdated = Signal()
     several_changed = Signal(bool)
     """Whether there is a pair to compare."""

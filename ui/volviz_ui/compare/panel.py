@@ -31,7 +31,7 @@ class ComparePanel(Panel):
     """Shows metrics of the compared views, A and B."""
 
     visibility_changed = Signal(bool)
-    """Whether somebody looks at the figures now."""
+    """Whether somebody looks at the metrics now."""
     timing_requested = Signal()
     match_requested = Signal()
     report_requested = Signal()

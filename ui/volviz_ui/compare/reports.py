@@ -21,7 +21,7 @@ from volviz_ui.compare.report_process import CompareProcess
 
 KINDS = "HTML (*.html);;JSON (*.json);;CSV (*.csv)"
 CONVERGENCE_SIZE = (240, 180)
-"""Pictures from which orders of convergence are fitted."""
+"""Images from which orders of convergence are fitted."""
 
 
 class Reports(QObject):

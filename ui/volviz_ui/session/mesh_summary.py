@@ -57,7 +57,7 @@ class ShownMesh(QObject):
     """
 
     summary_changed = Signal(object)
-    """`SurfaceFacts`, or None while there are none for what is shown."""
+    """`MeshSummary`, or None while there are none for what is shown."""
     work_changed = Signal(object)
     """How far the mesh in work is, 0..1; None when none is in work."""
 

@@ -93,7 +93,7 @@ class Gate(QObject):
 
     opened = Signal()
     TIMEOUT_MS = 1500
-    """Longest time that it stays shut: some pictures take minutes."""
+    """Longest time that it stays shut: some images take minutes."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)

@@ -25,13 +25,13 @@ from volviz_ui.session.workers import Task, Workers
 from volviz_ui.widgets.binding import show_value
 
 SIDE = 72
-"""Voxels of the coarse copy along its longest axis, and pixels of a picture."""
+"""Voxels of the coarse copy along its longest axis, and pixels of an image."""
 
 BACKGROUND = (0.11, 0.12, 0.14)
 FLAT = 0.5
 """A volume is a stack of slices when its depth is less than this share of its width and height."""
 ASPECT = 104 / 72
-"""Width divided by height of a picture of a preset."""
+"""Width divided by height of an image of a preset."""
 
 Deliver = Callable[[QImage], None]
 

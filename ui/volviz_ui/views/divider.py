@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QWidget
 WIDTH = 17
 LINE = 2.0
 LEAST = 0.02
-"""Neither picture can be wiped away altogether."""
+"""Neither image can be wiped away altogether."""
 KEY_STEP = 0.01
 
 
@@ -17,7 +17,7 @@ class Divider(QWidget):
     """A vertical line with a grip, over the images."""
 
     moved = Signal(float)
-    """Where it is wanted, as a fraction of the width of the pictures."""
+    """Where it is wanted, as a fraction of the width of the images."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)

@@ -12,14 +12,14 @@ from volviz_ui.session.gui_thread import Delivery
 BUDGET_SECONDS = 0.03
 """Time of one turn; the window answers in between."""
 WAITING_MS = 100
-"""While the picture waits for work in the background, it is asked this often how far that is."""
+"""While the image waits for work in the background, it is asked this often how far that is."""
 
 
 class QtFrameScheduler(QObject):
     """What the host calls when the image that it shows is not the complete one."""
 
     completed = Signal()
-    """The complete picture is ready to be shown."""
+    """The complete image is ready to be shown."""
     failed = Signal(object)
     frame_wanted = Signal()
     """There is more to be seen during a gesture."""

@@ -22,7 +22,7 @@ class ImageCopy(QObject):
     """
 
     progressed = Signal(float)
-    """How much of the pictures is ready, 0..1."""
+    """How much of the images is ready, 0..1."""
     copied = Signal()
     ended = Signal()
     """Copied or cancelled."""

@@ -37,7 +37,7 @@ class ViewGrid(QWidget):
     failed = Signal(object)
     recovered = Signal()
     status_changed = Signal(int, object)
-    """Number of the view, and what the host says about its picture."""
+    """Number of the view, and what the host says about its image."""
     pointer_moved = Signal(int, QPointF)
     pointer_left = Signal()
     clicked = Signal(int, QPointF)
@@ -50,7 +50,7 @@ class ViewGrid(QWidget):
     function_drag_ended = Signal(bool)
     laid_out = Signal()
     pair_completed = Signal()
-    """Both pictures of the compared pair are complete, and other ones than the last time."""
+    """Both images of the compared pair are complete, and other ones than the last time."""
 
     def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(parent)

@@ -51,7 +51,7 @@ class Viewport(QtInteractor):
     camera_moved = Signal()
     """The mouse has moved the camera; nothing is committed yet."""
     pressed = Signal()
-    """A button has gone down in the picture."""
+    """A button has gone down in the image."""
     light_dragged = Signal(float, float)
     """Pixels right and down since the last time."""
     manipulator_dragged = Signal(object)
@@ -70,7 +70,7 @@ class Viewport(QtInteractor):
     double_clicked = Signal(QPointF)
     frame_drawn = Signal()
     unseen_drawn = Signal(QImage)
-    """The picture of a viewport that is covered, each time that it was drawn."""
+    """The image of a viewport that is covered, each time that it was drawn."""
 
     # PyVista asks for images while it is being made
     _covered = False

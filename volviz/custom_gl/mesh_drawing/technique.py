@@ -27,7 +27,7 @@ LOD_MESH_TRIANGLES_HARDWARE = 1_500_000
 WIREFRAME_COST = 4
 #: By how much the stride of an LOD mesh may be larger than that of the mesh.
 COARSER = (1, 2, 4, 8)
-#: Stand-ins that are kept.
+#: LOD meshes that are kept.
 LOD_MESHES = 3
 #: Before any mesh of a volume is known.
 FIRST_COARSER = 4

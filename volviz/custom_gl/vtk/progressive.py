@@ -95,7 +95,7 @@ class Refinement:
 
 
 class Host(Protocol):
-    """What the accumulation needs of a `Drawing`."""
+    """What the accumulation needs of a `ViewRenderer`."""
 
     def jittered_frame(self, sequence: int) -> Frame:
         """The frame of a further image, into a target of its own."""
