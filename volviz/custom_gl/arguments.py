@@ -126,9 +126,14 @@ def changed_spec(
     changed = RenderSpec(
         layers, info.id, spec.settings if settings is None else settings, new_light, new_clipping
     )
-    if spec.surface_colors is None or not _is_same_surface(changed, spec):
+    return keeping_surface_colors(changed, spec)
+
+
+def keeping_surface_colors(changed: RenderSpec, before: RenderSpec) -> RenderSpec:
+    """A spec with the colours of the surface that an earlier one had, where it is the same surface."""
+    if before.surface_colors is None or not _is_same_surface(changed, before):
         return changed
-    return replace(changed, surface_colors=spec.surface_colors)
+    return replace(changed, surface_colors=before.surface_colors)
 
 
 def _is_same_surface(one: RenderSpec, other: RenderSpec) -> bool:

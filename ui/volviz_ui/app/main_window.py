@@ -49,7 +49,7 @@ from volviz_ui.transfer_editor.isovalue_markers import IsovalueMarkers
 from volviz_ui.transfer_editor.thumbnails import Thumbnails
 from volviz_ui.views.annotations import Annotations
 from volviz_ui.views.pointer import Pointer
-from volviz_ui.views.view_controller import AddVolume, ViewController
+from volviz_ui.views.view_controller import ViewController
 from volviz_ui.views.view_grid import ViewGrid
 from volviz_ui.views.viewport import Viewport
 from volviz_ui.widgets.binding import show_value
@@ -68,8 +68,6 @@ class MainWindow(QMainWindow):
         The theme of the application.
     preferences : Preferences, optional
         What is remembered between two starts.
-    add_volume : callable, optional
-        `volviz.add_volume`, or what stands in for it.
     autosave_folder : Path, optional
         Where the scene is written for the case of a crash; nowhere when not given.
     """
@@ -78,14 +76,9 @@ class MainWindow(QMainWindow):
         self,
         theme: Theme,
         preferences: Preferences | None = None,
-        add_volume: AddVolume | None = None,
         autosave_folder: Path | None = None,
     ) -> None:
         super().__init__()
-        if add_volume is None:
-            from volviz.custom_gl.vtk import add_volume as real
-
-            add_volume = real
         self.theme = theme
         self.preferences = preferences if preferences is not None else Preferences()
         self.store = Store()
@@ -104,7 +97,7 @@ class MainWindow(QMainWindow):
             | QMainWindow.DockOption.AnimatedDocks
         )
 
-        self.views = ViewGrid(self.store, self.documents, add_volume, self)
+        self.views = ViewGrid(self.store, self.documents, self)
         self.setCentralWidget(self.views)
         self.messages = WindowMessages(self, self.documents, self.views)
         self.docks = Docks(self)

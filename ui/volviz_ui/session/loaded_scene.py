@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from volviz.custom_gl.scene_techniques import render_spec
+from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeKey
@@ -37,6 +39,13 @@ class LoadedScene:
         """The transfer function of the first image layer."""
         layer = self.scene.layer
         return None if layer is None else layer.transfer_function
+
+    def spec(self, view: int) -> RenderSpec:
+        """What a view draws of the scene: the first image layer, as if it were alone; see `words_on_layers`."""
+        first = self.scene.layer
+        layers = () if first is None else (replace(first, visible=True, mode="add", transform=None),)
+        # distances of surfaces are measured by whoever compares, and given to the handle as colours
+        return replace(render_spec(self.scene, view), layers=layers, surface_colors=None)
 
 
 def words_on_layers(scene: Scene) -> str:

@@ -9,9 +9,11 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Qt, Signal
 
+from volviz.custom_gl.arguments import keeping_surface_colors
 from volviz.custom_gl.framing import default_camera
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import drawn_function
+from volviz.custom_gl.vtk import add_spec
 from volviz.model.camera import Camera
 from volviz.model.light import default_position
 from volviz.model.store import Store
@@ -21,8 +23,6 @@ from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.views.camera_moves import light_moved, light_turned
 from volviz_ui.views.frame_scheduler import QtFrameScheduler
 from volviz_ui.views.viewport import Viewport, same_view
-
-AddVolume = Callable[..., Any]
 
 
 class ViewController(QObject):
@@ -38,8 +38,6 @@ class ViewController(QObject):
         Where the volume of the scene is.
     viewport : Viewport
         Where it is shown.
-    add_volume : callable
-        `volviz.add_volume`.
     view : int
         Number of the view; the first one frames the scene for all.
     """
@@ -54,7 +52,6 @@ class ViewController(QObject):
         store: Store,
         documents: Documents,
         viewport: Viewport,
-        add_volume: AddVolume,
         parent: QObject | None = None,
         *,
         view: int = 0,
@@ -63,7 +60,6 @@ class ViewController(QObject):
         self._store = store
         self._documents = documents
         self._viewport = viewport
-        self._add_volume = add_volume
         self._view = view
         self._share = 1.0
         self._quality = "balanced"
@@ -180,64 +176,45 @@ class ViewController(QObject):
             if self.handle is not None:
                 self._remove()
                 self._viewport.render()
-        elif new.volume is not old.volume:
-            self._apply(lambda: self._show_all(new))
+            return
+        if new.volume is not old.volume:
+            self._apply(lambda: self._show_volume(new))
         elif self.handle is not None:
             self._show_changes(old, new)
-        if new.volume is not None:
-            scene = new.scene
-            self._viewport.light_is_movable = "light" in current_technique(scene, self._view).manipulators
+        technique = current_technique(new.scene, self._view)
+        self._viewport.light_is_movable = "light" in technique.manipulators
 
-    def _show_all(self, new: LoadedScene) -> None:
-        scene = new.scene
-        values = {
-            "technique": current_technique(scene, self._view).id,
-            "transfer_function": new.transfer_function,
-            "settings": current_settings(scene, self._view),
-            "light": scene.light,
-            "clipping": scene.clipping,
-        }
+    def _show_volume(self, new: LoadedScene) -> None:
         if self.handle is None:
-            self.handle = self._add_volume(self._viewport, new.volume, pacer=self.scheduler, **values)
-            self.handle.update(quality=self._quality)
+            self.handle = add_spec(self._viewport, new.spec(self._view), new.volumes, pacer=self.scheduler)
+            self.handle.quality = self._quality
             self.handle.share = self._share
             if self.is_interacting:
                 self.handle.begin_interaction()
             self.handle.on_status.append(self._status_arrived.emit)
             self._show_manipulators()
         else:
-            self.handle.update(volume=new.volume, **values)
-        camera = scene.view_at(self._view).camera
+            self.handle.show(new.spec(self._view), new.volumes)
+        camera = new.scene.view_at(self._view).camera
         if camera is None:
             self._frame(new)
         else:
             self._viewport.show_camera(camera)
 
     def _show_changes(self, old: LoadedScene, new: LoadedScene) -> None:
-        changes: dict[str, Any] = {}
-        before, after = old.scene, new.scene
-        technique, settings = current_technique(after, self._view), current_settings(after, self._view)
-        if (
-            technique is not current_technique(before, self._view)
-            or current_settings(before, self._view) != settings
-        ):
-            changes |= {"technique": technique.id, "settings": settings}
-        if old.transfer_function != new.transfer_function:
-            changes["transfer_function"] = new.transfer_function
-        if before.light != after.light:
-            changes["light"] = after.light
-        if before.clipping != after.clipping:
-            changes["clipping"] = after.clipping
-        camera = after.view_at(self._view).camera
+        camera = new.scene.view_at(self._view).camera
         moving = any(viewport.is_moving for viewport in self._viewport.linked)
         if camera is None:
             self._frame(new)
         elif not moving and (
-            camera != before.view_at(self._view).camera or not same_view(camera, self._viewport.view_camera)
+            camera != old.scene.view_at(self._view).camera
+            or not same_view(camera, self._viewport.view_camera)
         ):
             self._viewport.show_camera(camera)
-        if changes:
-            self._apply(lambda: self.handle.update(**changes))
+        spec = new.spec(self._view)
+        if spec != old.spec(self._view):
+            spec = keeping_surface_colors(spec, self.handle.spec)
+            self._apply(lambda: self.handle.show(spec, new.volumes))
 
     def _frame(self, shown: LoadedScene) -> None:
         """Look at what there is to be seen; the first view does it for all."""

@@ -19,7 +19,6 @@ from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.views.annotations import background_image
 from volviz_ui.views.difference_image import Bytes, over
-from volviz_ui.views.view_controller import AddVolume
 from volviz_ui.views.view_layout import ViewLayout
 from volviz_ui.views.view_widget import ViewWidget
 
@@ -33,8 +32,6 @@ class ViewGrid(QWidget):
         The scene.
     documents : Documents
         Where its volume is.
-    add_volume : callable
-        `volviz.add_volume`.
     """
 
     failed = Signal(object)
@@ -55,14 +52,11 @@ class ViewGrid(QWidget):
     pair_completed = Signal()
     """Both images of the compared pair are complete, and other ones than the last time."""
 
-    def __init__(
-        self, store: Store, documents: Documents, add_volume: AddVolume, parent: QWidget | None = None
-    ) -> None:
+    def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setMinimumSize(240, 150)
         self._store = store
         self._documents = documents
-        self._add_volume = add_volume
         self._shown: dict[str, bool] = {}
         self._quality = "balanced"
         self._shows_manipulators = True
@@ -104,7 +98,7 @@ class ViewGrid(QWidget):
         return all(view_widget.controller.is_complete for view_widget in self.shown_view_widgets)
 
     def _add_view_widget(self) -> ViewWidget:
-        view_widget = ViewWidget(self, self._store, self._documents, self._add_volume, len(self.view_widgets))
+        view_widget = ViewWidget(self, self._store, self._documents, len(self.view_widgets))
         viewport, controller = view_widget.viewport, view_widget.controller
         if self.view_widgets:
             viewport.link_camera(self.first.viewport)

@@ -12,7 +12,7 @@ from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.views.annotations import Annotations
 from volviz_ui.views.header import ViewHeader
 from volviz_ui.views.ray_mark import RayMark
-from volviz_ui.views.view_controller import AddVolume, ViewController
+from volviz_ui.views.view_controller import ViewController
 from volviz_ui.views.viewport import Viewport
 
 BORDER = 2
@@ -46,15 +46,13 @@ class ViewWidget(QObject):
     ----------
     parent : QWidget
         In which frame and header lie; both are placed from outside.
-    store, documents, add_volume
+    store, documents
         As for `ViewController`.
     view : int
         Number of the view in the scene.
     """
 
-    def __init__(
-        self, parent: QWidget, store: Store, documents: Documents, add_volume: AddVolume, view: int
-    ) -> None:
+    def __init__(self, parent: QWidget, store: Store, documents: Documents, view: int) -> None:
         super().__init__(parent)
         self.view = view
         self.frame = ViewFrame(parent)
@@ -62,7 +60,7 @@ class ViewWidget(QObject):
         self.viewport = Viewport(store, view, self.frame)
         self.annotations = Annotations(self.viewport)
         self.ray_mark = RayMark(self.viewport)
-        self.controller = ViewController(store, documents, self.viewport, add_volume, self, view=view)
+        self.controller = ViewController(store, documents, self.viewport, self, view=view)
         self.controller.status_changed.connect(self.header.show_status)
 
     def place(self, image: QRect, *, visible: QRect | None = None, border: int = 0) -> None:
