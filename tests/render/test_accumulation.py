@@ -13,7 +13,7 @@ import pyvista
 import volviz
 from tests.render.scenes import Requests, camera, function, image, volume
 from volviz.custom_gl.offscreen import apply_camera
-from volviz.custom_gl.vtk.progressive import PHASES, PLACES, SHOWN_AFTER, sample_phase
+from volviz.custom_gl.vtk.progressive import PHASES, SUBPIXEL_JITTER, SHOWN_AFTER, sample_phase
 
 SIZE = (72, 64)
 
@@ -51,10 +51,10 @@ def until_idle(plotter: Any, handle: Any, pacer: Requests) -> list[int]:
 
 def test_places_and_phases_are_spread_evenly_about_the_middle() -> None:
     for n in SHOWN_AFTER:
-        assert np.abs(np.mean(PLACES[:n], axis=0)).max() < 1e-12
+        assert np.abs(np.mean(SUBPIXEL_JITTER[:n], axis=0)).max() < 1e-12
         assert abs(np.mean(PHASES[:n])) < 1e-12
     for axis in (0, 1):
-        assert len({place[axis] for place in PLACES}) == len(PLACES)
+        assert len({place[axis] for place in SUBPIXEL_JITTER}) == len(SUBPIXEL_JITTER)
     assert sorted([0.0, *PHASES]) == pytest.approx(np.arange(-4, 5) / 9.0)
     assert sample_phase(1.0, 3) == 1.0, "far ends are VTK's rule and stay"
 

@@ -42,7 +42,7 @@ def open(  # noqa: A001 - what it does, as `volviz.open`
     cancel : callable() -> bool, optional
         Asked between headers; True stops the work.
     **hints
-        See `volviz.io.Hints`: ``dims``, ``dtype``, ``endian``, ``header`` describe raw files; ``spacing``,
+        See `volviz.io.LoadOptions`: ``dims``, ``dtype``, ``endian``, ``header`` describe raw files; ``spacing``,
         ``origin``, ``unit``, ``name`` replace what a file says; ``series`` chooses.
 
     Returns

@@ -1,4 +1,4 @@
-"""Stored values to the values they stand for: ``value = slope * payload + intercept``."""
+"""Stored values to the values they stand for: ``value = slope * stored + intercept``."""
 
 from __future__ import annotations
 

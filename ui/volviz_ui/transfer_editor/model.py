@@ -158,12 +158,12 @@ class EditorModel(QObject):
 
         Parameters
         ----------
-        colors, opacities : tuple of Stop
+        colors, opacities : tuple of ChannelPoint
             The channels.
         label : str
             What happened.
         color_point : int, optional
-            Stop of the colours to choose; default: the one that is chosen.
+            Point of the colours to choose; default: the one that is chosen.
         """
         if self._shown is None:
             return

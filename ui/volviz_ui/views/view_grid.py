@@ -236,7 +236,7 @@ class ViewGrid(QWidget):
         return seen[0], seen[1]
 
     def show_metrics(self, metrics: Any) -> None:
-        """Show where the compared images are alike, as was measured of them (`PairFigures`)."""
+        """Show where the compared images are alike, as was measured of them (`PairMetrics`)."""
         self.arrangement.difference.set_similarity(metrics.similarity)
 
     # ------------------------------------------------------------------ gestures

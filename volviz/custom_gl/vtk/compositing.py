@@ -190,7 +190,7 @@ def _write_depth(gpu: Gpu, target: Target, framebuffer: Any) -> None:
     gl.depth_func = "<"
 
 
-class KeptTargets:
+class PooledTargets:
     """The last few targets of one owner; older ones are dropped."""
 
     def __init__(self, owner: int) -> None:

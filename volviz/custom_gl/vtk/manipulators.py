@@ -35,7 +35,7 @@ Pixel = tuple[float, float]
 
 #: Radius of a manipulator, how far beside it a grip still holds, and the distance that manipulators keep to the rim;
 #: in pixels.
-MANIPULATOR, REACH, RIM = 7.0, 4.0, 18.0
+RADIUS, CLEARANCE, RIM = 7.0, 4.0, 18.0
 #: Length of the arrow along a plane's normal, as a share of the box's diagonal.
 ARROW = 0.22
 
@@ -170,7 +170,7 @@ class Manipulators:
     def part_at(self, x: float, y: float) -> str | None:
         """What can be held at a pixel (from the upper left of the renderer's viewport), None for nothing."""
         projection = self._projection()
-        clearance = (MANIPULATOR + REACH) * self.scale
+        clearance = (RADIUS + CLEARANCE) * self.scale
         pixel = (x, y)
         found = [(_distance(pixel, at), name) for name, at in self._manipulators(projection).items()]
         if "plane" in self.shown:
@@ -179,7 +179,7 @@ class Manipulators:
             edges = [distance_to_segment(pixel, a, b) for a, b in _closed(corners)]
             if edges:
                 # thin: an edge must be met more exactly than a manipulator
-                found.append((min(edges) + (MANIPULATOR - 1) * self.scale, "plane"))
+                found.append((min(edges) + (RADIUS - 1) * self.scale, "plane"))
         near = [(d, name) for d, name in found if d <= clearance]
         return min(near, key=lambda each: each[0])[1] if near else None
 
@@ -344,16 +344,16 @@ class Manipulators:
         color = _HELD if self.under == "light" else (*self._owner.light.color, 1.0)
         way = toward - at
         length = float(np.linalg.norm(way))
-        if length > 3 * MANIPULATOR * scale:
+        if length > 3 * RADIUS * scale:
             # a tail that says where the light shines
             end = at + way / length * min(26.0 * scale, length)
             shapes.line(at, end, 4.5 * scale, _DARK)
             shapes.line(at, end, 2.0 * scale, color)
-        shapes.disc(at, (MANIPULATOR + 2) * scale, _DARK)
-        shapes.disc(at, MANIPULATOR * scale, color)
+        shapes.disc(at, (RADIUS + 2) * scale, _DARK)
+        shapes.disc(at, RADIUS * scale, color)
         if projection.depths(center_of_light)[0] > projection.depths(center)[0]:
             # behind the volume: a ring
-            shapes.disc(at, (MANIPULATOR - 2.5) * scale, (*_DARK[:3], 1.0))
+            shapes.disc(at, (RADIUS - 2.5) * scale, (*_DARK[:3], 1.0))
 
     def _draw_plane(self, projection: Projection) -> None:
         origin, normal = self._plane()
@@ -386,20 +386,20 @@ class Manipulators:
             self._manipulator(root, edge)
 
     def _manipulator(self, at: Array, color: tuple[float, float, float, float]) -> None:
-        self._shapes.disc(at, (MANIPULATOR + 1.5) * self.scale, _DARK)
-        self._shapes.disc(at, (MANIPULATOR - 0.5) * self.scale, color)
+        self._shapes.disc(at, (RADIUS + 1.5) * self.scale, _DARK)
+        self._shapes.disc(at, (RADIUS - 0.5) * self.scale, color)
 
     def _head(self, root: Array, tip: Array, color: tuple[float, float, float, float]) -> None:
         """A cone seen from the side, or its round base when it points at the eye or away from it."""
         way = tip - root
         length = float(np.linalg.norm(way))
-        if length < 2 * MANIPULATOR * self.scale:
+        if length < 2 * RADIUS * self.scale:
             self._manipulator(tip, color)
             self._shapes.disc(tip, 2.0 * self.scale, (*_DARK[:3], 1.0))
             return
         along = way / length
         across = np.array([-along[1], along[0]])
-        for size, tint in ((MANIPULATOR + 4.0, _DARK), (MANIPULATOR + 1.5, color)):
+        for size, tint in ((RADIUS + 4.0, _DARK), (RADIUS + 1.5, color)):
             wide = size * self.scale
             corners = np.array([tip + 1.3 * wide * along, tip - 0.7 * wide * along + 0.8 * wide * across,
                                 tip - 0.7 * wide * along - 0.8 * wide * across])  # fmt: skip

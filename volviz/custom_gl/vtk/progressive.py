@@ -24,7 +24,7 @@ from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
 
 #: Where the further images look through their pixels, in pixels from the middle: each row and column of a lattice of
 #: eight is taken once, and after every two, four and eight images the mean lies (nearly) in the middle.
-PLACES = tuple(
+SUBPIXEL_JITTER = tuple(
     (x / 16.0, y / 16.0) for x, y in ((1, -3), (-1, 3), (5, 1), (-5, -1), (-3, -7), (3, 7), (7, 5), (-7, -5))
 )
 #: Where they sample, in steps from the middle of a segment: with the first image nine places, equally far apart.
@@ -37,7 +37,7 @@ LEAST = 2
 SHOWN_AFTER = (2, 4, 8)
 
 
-class Refinement:
+class ProgressiveRendering:
     """Draws the chunks of one frame.
 
     Parameters
@@ -94,7 +94,7 @@ class Refinement:
                 break
 
 
-class Host(Protocol):
+class JitteredFrames(Protocol):
     """What the accumulation needs of a `ViewRenderer`."""
 
     def jittered_frame(self, sequence: int) -> Frame:
@@ -123,7 +123,7 @@ class Accumulation:
         self.key: Any = None
         self.count = 0
         self._asked: Any = None
-        self._wanted = 0
+        self._count_to_add = 0
         self._sum: Target | None = None
         self._frame: Frame | None = None
         self._chunks = 0
@@ -140,11 +140,11 @@ class Accumulation:
             Time that one full image takes.
         """
         if key != self._asked:
-            count = min(math.floor(SECONDS / max(full_seconds, 1e-6)), len(PLACES))
+            count = min(math.floor(SECONDS / max(full_seconds, 1e-6)), len(SUBPIXEL_JITTER))
             self._asked = key
-            self._wanted = max((n for n in SHOWN_AFTER if n <= count), default=0)
-            if self._wanted < LEAST:
-                self._wanted = 0
+            self._count_to_add = max((n for n in SHOWN_AFTER if n <= count), default=0)
+            if self._count_to_add < LEAST:
+                self._count_to_add = 0
         return not self._is_finished(key)
 
     def goes_on(self, key: Any) -> bool:
@@ -154,7 +154,7 @@ class Accumulation:
     def _is_finished(self, key: Any) -> bool:
         if key != self._asked:
             return True
-        return self._wanted == 0 or (self.key == key and self.count > self._wanted)
+        return self._count_to_add == 0 or (self.key == key and self.count > self._count_to_add)
 
     def average(self, key: Any) -> tuple[Target, int] | None:
         """The sum and the number of images in it, where that is to be shown instead of the first image."""
@@ -162,7 +162,7 @@ class Accumulation:
             return None
         return self._sum, self.count
 
-    def refine(self, host: Host, gpu: Gpu, key: Any, first: Target, budget: float) -> bool:
+    def refine(self, host: JitteredFrames, gpu: Gpu, key: Any, first: Target, budget: float) -> bool:
         """Draw for about `budget` seconds; True when there is a new mean to be shown or nothing to do."""
         begin = time.perf_counter()
         if self._is_finished(key):
@@ -174,7 +174,7 @@ class Accumulation:
             self._chunks, self._done = host.plan_chunks(self._frame), 0
             if not self._chunks:
                 # the technique has something else to do first: the images so far must suffice
-                self._wanted, self._frame = self.count - 1, None
+                self._count_to_add, self._frame = self.count - 1, None
                 return True
             self._frame.target.clear()
         while self._done < self._chunks:
@@ -188,7 +188,7 @@ class Accumulation:
         self._add(gpu, self._frame.target)
         self._frame = None
         self.count += 1
-        if self.count > self._wanted:
+        if self.count > self._count_to_add:
             gpu.targets.drop(self._names["jittered"])
         return self.count - 1 in SHOWN_AFTER
 
@@ -222,7 +222,7 @@ def jittered_camera(camera: FrameCamera, size: tuple[int, int], sequence: int) -
     """The camera of the image of that number, looking through other points of its pixels; 0 leaves it."""
     if sequence == 0:
         return camera
-    x, y = PLACES[(sequence - 1) % len(PLACES)]
+    x, y = SUBPIXEL_JITTER[(sequence - 1) % len(SUBPIXEL_JITTER)]
     shift = np.eye(4)
     shift[0, 3], shift[1, 3] = 2.0 * x / size[0], 2.0 * y / size[1]
     return replace(camera, projection=shift @ camera.projection)

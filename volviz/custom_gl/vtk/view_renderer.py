@@ -13,7 +13,7 @@ from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.targets import Target
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
-from volviz.custom_gl.vtk.compositing import ImageKey, KeptTargets, RenderedImage, area_of, composite
+from volviz.custom_gl.vtk.compositing import ImageKey, PooledTargets, RenderedImage, area_of, composite
 from volviz.custom_gl.vtk.frame_scheduling import (
     FULL,
     CostModel,
@@ -25,7 +25,7 @@ from volviz.custom_gl.vtk.frame_scheduling import (
 )
 from volviz.custom_gl.vtk.frames import frame_size, make_frame
 from volviz.custom_gl.vtk.hook import HOOK_ACTORS, Hook
-from volviz.custom_gl.vtk.progressive import Accumulation, Refinement
+from volviz.custom_gl.vtk.progressive import Accumulation, ProgressiveRendering
 from volviz.custom_gl.vtk.renderer_view import RendererView
 from volviz.custom_gl.vtk.scene_depth import SceneDepth, opaque_revision
 from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
@@ -103,13 +103,13 @@ class ViewRenderer:
         self._revision = 0
         self._runner = TechniqueRunner(window, renderer.GetActiveCamera, self._on_task)
         self._image: RenderedImage | None = None
-        self._refinement: Refinement | None = None
+        self._refinement: ProgressiveRendering | None = None
         self._accumulation = Accumulation(id(self))
         self._interacting = 0
         self._waits = self._has_news = False
         self._cost = CostModel()
         self._depth = SceneDepth()
-        self._targets = KeptTargets(id(self))
+        self._targets = PooledTargets(id(self))
         self._removed = False
         # first of what the window must give back, since it may refuse
         self._hook = Hook(renderer, self._on_hook)
@@ -231,7 +231,7 @@ class ViewRenderer:
             if not chunks:
                 return False
             # not before: while the technique waits, the target may still hold the image that is shown
-            self._refinement = Refinement(key, frame, chunks, on_gpu_clock=self.on_gpu_clock)
+            self._refinement = ProgressiveRendering(key, frame, chunks, on_gpu_clock=self.on_gpu_clock)
         work = self._refinement
         work.go_on(self._runner, self._shown, begin + budget)
         if not work.is_finished:
