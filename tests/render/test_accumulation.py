@@ -13,7 +13,7 @@ import pyvista
 import volviz
 from tests.render.scenes import Requests, camera, function, image, volume
 from volviz.custom_gl.offscreen import apply_camera
-from volviz.custom_gl.vtk.progressive import PHASES, SUBPIXEL_JITTER, SHOWN_AFTER, sample_phase
+from volviz.custom_gl.vtk.progressive import PHASES, SHOWN_AFTER, SUBPIXEL_JITTER, sample_phase
 
 SIZE = (72, 64)
 
