@@ -55,7 +55,7 @@ check: lint
 
 bench: python
 	@$(PYTHON) scripts/set_up.py --for test
-	@$(BIN)/python -m pytest --benchmark-only $(ARGS)
+	@$(BIN)/python -m pytest --benchmark-enable --benchmark-only $(ARGS)
 
 build: python
 	@$(PYTHON) scripts/set_up.py --for check
