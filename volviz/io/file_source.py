@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.errors import InputError, LoadError
-from volviz.io.axes import are_colours
+from volviz.io.axes import are_colours, to_zyx
 from volviz.io.resampling import Rectangular
 from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
 from volviz.volume_data.references import content_id
@@ -90,11 +90,7 @@ def _resampled(values: Values, upright: Rectangular) -> Values:
     """The values of a sheared lattice on a rectangular one."""
 
     def read(load: LoadRequest) -> npt.NDArray[Any]:
-        array = upright.resampled(values(replace(load, box=None)))
-        if load.box is None:
-            return array
-        i0, i1, j0, j1, k0, k1 = load.box
-        return np.ascontiguousarray(array[k0:k1, j0:j1, i0:i1])
+        return to_zyx(upright.resampled(values(replace(load, box=None))), "ZYX", load)
 
     return read
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from volviz.io.axes import choose
+from volviz.io.axes import choose, to_zyx
 from volviz.io.dicom import grouping, lattice
 from volviz.io.dicom.finding import DIRECTORY_NAME, files_below, files_of_directory
 from volviz.io.dicom.headers import Frame, read_frames
@@ -193,11 +193,7 @@ def _segmentation(request: LoadRequest, frames: list[Frame]) -> FileSource:
     first = frames[0]
 
     def values(request: LoadRequest) -> npt.NDArray[Any]:
-        labels = label_map(request, frames, at, slices.count)
-        if request.box is None:
-            return labels
-        i0, i1, j0, j1, k0, k1 = request.box
-        return np.ascontiguousarray(labels[k0:k1, j0:j1, i0:i1])
+        return to_zyx(label_map(request, frames, at, slices.count), "ZYX", request)
 
     return file_source(
         request, values, "ZYX", (slices.count, first.rows, first.columns), geometry, format="DICOM",
