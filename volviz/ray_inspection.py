@@ -142,7 +142,7 @@ def inspect_ray(
     )  # fmt: skip
     optics = _optics(shown, common)
     lattice = Lattice(
-        volume.array, volume.index_to_world, *volume.range, common.interpolation == "nearest",
+        volume.finite_array, volume.index_to_world, *volume.bulk_range, common.interpolation == "nearest",
         common.gradient_delta,
     )  # fmt: skip
     jitter = pixel_noise(pixel, size) if common.jitter else None
@@ -172,7 +172,7 @@ def inspect_ray(
 
 def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
     volume, function = shown.volume, shown.drawn_function
-    low, high = volume.range
+    low, high = volume.bulk_range
     integer = volume.array.dtype.kind in "iu"
     shading = None
     if common.shading:

@@ -187,7 +187,7 @@ class VolumeResources:
 
     def _below(self, threshold: float, data_range: tuple[float, float], entries: int) -> int:
         """Number of entries of a table over a range that lie below a density threshold."""
-        (low, high), (first, last) = self.volume.range, data_range
+        (low, high), (first, last) = self.volume.bulk_range, data_range
         share = (low + threshold * (high - low) - first) / (last - first) if last > first else 0.0
         return min(max(int(np.ceil(share * (entries - 1))), 0), entries) if threshold > 0 else 0
 
@@ -212,7 +212,7 @@ class VolumeResources:
                 "u_table_entry": 1.0 / columns,
             }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
-        low, high = self.volume.range
+        low, high = self.volume.bulk_range
         height = gradients[1] - gradients[0]
         return {
             "u_table_map": self._lookup(values),
@@ -222,8 +222,8 @@ class VolumeResources:
         }
 
     def _lookup(self, data_range: tuple[float, float]) -> tuple[float, float]:
-        """From fractions of the data range to positions in a table: scale and offset."""
-        (low, high), (first, last) = self.volume.range, data_range
+        """From fractions of the bulk's range to positions in a table: scale and offset."""
+        (low, high), (first, last) = self.volume.bulk_range, data_range
         span = last - first if last > first else 1.0
         return (high - low) / span, (low - first) / span
 
