@@ -13,7 +13,6 @@ from volviz.custom_gl.settings import CommonSettings
 from volviz.errors import InputError
 from volviz.kernels.preintegration import extinction_sums
 from volviz.model.render_spec import RenderSpec, View
-from volviz.model.transfer.function import table_size
 from volviz.reference.ray_profile import (
     SCALAR_MODES,
     Classify,
@@ -184,7 +183,9 @@ def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
     regions = function.by_gradient is not None
     if common.mode == "composite" and common.preintegrated and not regions:
         extinction_range = function.oracle_range(volume.range)
-        table = function.bake(extinction_range, table_size(extinction_range, integer)).astype(np.float64)
+        table = function.bake(
+            extinction_range, function.table_size(extinction_range, integer=integer)
+        ).astype(np.float64)
         if common.density_threshold > 0:
             values = np.linspace(*extinction_range, len(table))
             table[values < low + common.density_threshold * (high - low), 3] = 0.0
@@ -223,7 +224,9 @@ def _by_gradient(function: TransferFunction) -> Classify:
 def _by_value(volume: Volume, function: TransferFunction, integer: bool) -> Classify:
     """Look-up in the table that the images are drawn with."""
     first, last = function.table_range(volume.range)
-    table = function.bake((first, last), table_size((first, last), integer)).astype(np.float64)
+    table = function.bake((first, last), function.table_size((first, last), integer=integer)).astype(
+        np.float64
+    )
     places = np.linspace(first, last, len(table))
 
     def classify(values: npt.NDArray[np.float64], _gradients: Any) -> npt.NDArray[np.float64]:

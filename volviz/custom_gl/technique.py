@@ -379,7 +379,7 @@ class Frame:
             Shader files.
         defines : mapping, optional
             Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at) and ``NEAREST``, ``SHADING`` and
-            ``GRADIENT_OPACITY``, which follow the settings of these names; can override them.
+            ``GRADIENT_OPACITY``, which follow the settings of these names, and ``TABLE_FOLDED``; can override them.
         hooks : mapping, optional
             Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
             unless they are named.
@@ -395,6 +395,7 @@ class Frame:
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,
+            "TABLE_FOLDED": self.resources.folds_table(self.transfer_function),
         }
         regions = self.transfer_function.by_gradient is not None
         chosen: dict[str, str | Path] = {

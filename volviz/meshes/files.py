@@ -1,4 +1,7 @@
-"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, always in world coordinates.
+"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, in world coordinates.
+
+STL, PLY and glTF are written with 32-bit floats. A mesh so far from the origin that these would spoil it is moved
+nearer for them, and the caller is told by how much.
 
 A file appears complete or not at all: it is written beside its place under another name and moved there at the
 end, so that a full disk, an error or a cancel leave what was there before.
@@ -6,17 +9,22 @@ end, so that a full disk, an error or a cancel leave what was there before.
 
 from __future__ import annotations
 
+import math
 import os
 import secrets
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from volviz import environment
 from volviz.errors import Cancelled, InputError, VolvizError
 
 environment.prepare()
 
+from vtkmodules.util.numpy_support import numpy_to_vtk  # noqa: E402
+from vtkmodules.vtkCommonCore import vtkPoints  # noqa: E402
 from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet  # noqa: E402
 from vtkmodules.vtkIOGeometry import vtkGLTFWriter, vtkOBJWriter, vtkSTLWriter  # noqa: E402
 from vtkmodules.vtkIOPLY import vtkPLYWriter  # noqa: E402
@@ -36,6 +44,9 @@ FORMAT_NAMES = {
 }
 MESH_FORMATS = tuple(FORMAT_NAMES)
 
+#: Relative rounding of a 32-bit float, and what of it is bearable, as a share of the size of the mesh.
+RELATIVE_ROUNDING, BEARABLE = 2.0**-24, 1e-6
+
 
 def save_mesh(
     mesh: pyvista.PolyData,
@@ -44,7 +55,7 @@ def save_mesh(
     overwrite: bool = True,
     progress: Callable[[float], object] | None = None,
     cancel: Callable[[], bool] | None = None,
-) -> None:
+) -> str:
     """Write a mesh to a file in world coordinates; the ending chooses the format.
 
     Parameters
@@ -60,6 +71,11 @@ def save_mesh(
     cancel : callable, optional
         When it returns True the work ends with `Cancelled` and without a file.
 
+    Returns
+    -------
+    str
+        A sentence for the user where the mesh had to be moved for a format of 32-bit floats; nearly always empty.
+
     Raises
     ------
     InputError
@@ -74,6 +90,7 @@ def save_mesh(
         raise InputError(
             f"{target.name}: the mesh is empty, so nothing was written; choose another isovalue."
         )
+    mesh, note = _near_origin(mesh, target)
     part = _beside(target)
     try:
         _write(mesh, part, progress, cancel)
@@ -86,6 +103,7 @@ def save_mesh(
         raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
     finally:
         part.unlink(missing_ok=True)
+    return note
 
 
 def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
@@ -118,6 +136,29 @@ def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
     if not os.access(target.parent, os.W_OK):
         raise VolvizError(f"{target}: nothing can be written into this folder; choose another one.")
     return target
+
+
+def _near_origin(mesh: pyvista.PolyData, target: Path) -> tuple[pyvista.PolyData, str]:
+    """The mesh as the format can hold it, and what to tell: moved where 32-bit floats would spoil it."""
+    if target.suffix.lower() in (".obj", ".vtp"):
+        return mesh, ""
+    points = np.asarray(mesh.points)
+    extent = float(np.ptp(points, axis=0).max())
+    if points.dtype != np.float64 or np.abs(points).max() * RELATIVE_ROUNDING <= BEARABLE * extent:
+        return mesh, ""
+    # by round numbers, which people can type
+    unit = 10.0 ** math.ceil(math.log10(extent))
+    shift = np.floor(points.min(axis=0) / unit) * unit
+    near = mesh.copy(deep=False)
+    # not by the property, which writes into the points that both share
+    moved = vtkPoints()
+    moved.SetData(numpy_to_vtk((points - shift).astype(np.float32), deep=True))
+    near.SetPoints(moved)
+    numbers = ", ".join(f"{v:.15g}" for v in shift)
+    return near, (
+        f"{target.name}: the format holds 32-bit floats, too coarse for positions so far from the origin; the mesh was "
+        f"moved by the negative of ({numbers}). As .obj or .vtp it keeps its place."
+    )
 
 
 def _beside(target: Path) -> Path:

@@ -4,17 +4,32 @@
 uniform sampler2D t_table;                 // straight RGBA over the part of the range where it changes, one row
 uniform vec2 u_table_map;                  // position in the table, 0..1 = fraction of the data range * x + y
 uniform float u_table_last;                // number of entries - 1
-uniform float u_table_entry;               // width of an entry = 1 / number of entries
+uniform float u_table_entry;               // width of an entry = 1 / number of entries in a row
+#if TABLE_FOLDED
+uniform float u_table_row;                 // height of a row: the table goes on in the next one
+#endif
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / length to which opacities of the table belong, per world unit
+
+#if TABLE_FOLDED
+// An entry of the table, from 0.
+vec4 table_entry(float i) {
+    float position = (i + 0.5) * u_table_entry;
+    return textureLod(t_table, vec2(fract(position), (floor(position) + 0.5) * u_table_row), 0.0);
+}
+#endif
 
 // Straight RGBA of the curve over the value.
 vec4 curve_color(float s) {
     // two fetches and a mix: a linear filter reads four texels of a texture that is one texel high
     float x = clamp(s * u_table_map.x + u_table_map.y, 0.0, 1.0) * u_table_last;
     float i = min(floor(x), u_table_last - 1.0);
+#if TABLE_FOLDED
+    vec4 c = mix(table_entry(i), table_entry(i + 1.0), x - i);
+#else
     vec2 entry = vec2((i + 0.5) * u_table_entry, 0.5);
     vec4 c = mix(textureLod(t_table, entry, 0.0), textureLod(t_table, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
+#endif
     return s < u_density_threshold ? vec4(0.0) : c;
 }
 

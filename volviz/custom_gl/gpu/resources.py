@@ -21,7 +21,7 @@ from volviz.kernels.bricks import (
     occupancy_for_isovalues,
     visible_prefix,
 )
-from volviz.model.transfer.function import TransferFunction, table_size
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction
 from volviz.model.transfer.tables import Table, baked, plane_ranges, table_entries
 from volviz.tasks import LatestResult, Tasks
 from volviz.volume_data.scalars import (
@@ -168,7 +168,8 @@ class VolumeResources:
 
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
-            return self.gpu.table_texture(table.texels if length is None else table.per_length(length))
+            texels = table.texels if length is None else table.per_length(length)
+            return self.gpu.table_texture(Table.folded(texels), folded=self.folds_table(transfer_function))
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
         return self._cached(self._tables, "table" if length is None else "table per length", key, make)
@@ -179,7 +180,7 @@ class VolumeResources:
 
         def make() -> Any:
             data_range = self._preintegration_range(transfer_function)
-            table = transfer_function.bake(data_range, self._entries(data_range))
+            table = transfer_function.bake(data_range, self._entries(transfer_function, data_range))
             table[: self._below(threshold, data_range, len(table)), 3] = 0.0
             return self.gpu.table_texture(preintegration_table(table, 1.0, size))
 
@@ -198,8 +199,12 @@ class VolumeResources:
             self._last_table = (key, baked(transfer_function, self.volume, interactive=interactive))
         return self._last_table[1]
 
-    def _entries(self, data_range: tuple[float, float]) -> int:
-        return table_size(data_range, self.volume.array.dtype.kind in "iu")
+    def _entries(self, function: TransferFunction, data_range: tuple[float, float]) -> int:
+        return function.table_size(data_range, integer=self.volume.array.dtype.kind in "iu")
+
+    def folds_table(self, function: TransferFunction) -> bool:
+        """Whether the table of a function takes several rows of its texture."""
+        return function.by_gradient is None and Table.is_folded(table_entries(function, self.volume)[0])
 
     def table_uniforms(self, transfer_function: TransferFunction, *, interactive: bool) -> dict[str, Any]:
         """Uniforms of ``glsl/classification.glsl`` that say where a value and a gradient lie in the table."""
@@ -209,7 +214,8 @@ class VolumeResources:
             return {
                 "u_table_map": self._lookup(data_range),
                 "u_table_last": float(columns - 1),
-                "u_table_entry": 1.0 / columns,
+                "u_table_entry": 1.0 / (MAX_TABLE if Table.is_folded(columns) else columns),
+                "u_table_row": 1.0 / -(-columns // MAX_TABLE),
             }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
         low, high = self.volume.bulk_range

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.model.transfer.function import MAX_TABLE, TransferFunction, table_size
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction
 from volviz.reference.image import Shading, reference_render
 from volviz.volume_data.volume import Volume
 
@@ -61,9 +61,9 @@ def computed(request: OracleRequest, progress: Any = None, cancel: Any = None) -
     volume, settings = request.volume, request.settings
     scalar = settings.mode == "attenuated_maximum"
     table_range = volume.bulk_range if scalar else request.function.oracle_range(volume.range)
-    entries = table_size(table_range, volume.array.dtype.kind in "iu")
-    if entries == MAX_TABLE:
-        entries = FINE_TABLE
+    entries = request.function.table_size(table_range, integer=volume.array.dtype.kind in "iu")
+    if entries >= MAX_TABLE:
+        entries = max(entries, FINE_TABLE)
     shading = None
     if settings.shading:
         shading = Shading(
