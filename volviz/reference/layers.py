@@ -252,7 +252,7 @@ class _March:
         """The part of segments that lies in the box of a layer, 0..1."""
         low, high = self._spans[id(layer)]
         inside = np.minimum(begin + piece, high[rays]) - np.maximum(begin, low[rays])
-        return np.clip(inside / piece, 0.0, 1.0)
+        return np.asarray(np.clip(inside / piece, 0.0, 1.0))
 
     def values(self, layer: ReferenceLayer, rays: Any, at: Float64Array) -> tuple[Float64Array, Float64Array]:
         """Continuous indices and values of a layer at lengths along rays."""
