@@ -14,6 +14,7 @@ import pytest
 import volviz
 import volviz.custom_gl
 from tests.render.scenes import function, shown, volume
+from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import MODES
@@ -134,6 +135,15 @@ def draw(technique: str) -> None:
         window.add_mesh(pyvista.Sphere(radius=2.0, center=of.center))
         show(clip_planes=())
         show(footprint="disc")
+        if handle.technique.draws_layers:
+            layers = (
+                volviz.ImageLayer(of, curve), volviz.ImageLayer(of, color="red"),
+                volviz.ImageLayer(volume(np.float32), curve), volviz.ImageLayer(of, curve, mode="mask"),
+            )  # fmt: skip
+            for mode, _ in MODES:
+                handle.show(spec_of(layers, technique, mode=mode, shading=True))
+                window.render()
+                handle.raise_error()
         # one that is enlarged beside a mesh is drawn while something moves only
         handle.gpu.programs.get(
             GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": True, "SCENE_DEPTH": True}
