@@ -49,9 +49,9 @@ def slicing_technique(chosen: str | None) -> str:
     InputError
         Another one was asked for.
     """
-    from volviz.custom_gl.registry import techniques
+    from volviz.custom_gl.scene_techniques import slice_technique
 
-    found = next(info.id for info in techniques().values() if info.facing is not None)
+    found = slice_technique().id
     if chosen not in (None, found):
         raise InputError(f"--plane, --at and --slab go with -t {found}, not with -t {chosen}.")
     return found

@@ -87,6 +87,8 @@ class TechniqueInfo:
     extraction : str
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
+    cursor_setting : str
+        Name of the setting that holds a world point, and follows the scene's cursor while it is None; empty for none.
     facing : callable or None
         From its settings the direction towards the viewer, and up, from which its image is meant to be seen by a
         parallel projection; it may give None as well. None where every view is as good.
@@ -126,6 +128,7 @@ class TechniqueInfo:
     isovalue_setting: str = ""
     matching: Matching = field(default_factory=Matching)
     extraction: str = ""
+    cursor_setting: str = ""
     facing: Callable[[Any], tuple[Vector, Vector] | None] | None = None
     study: Callable[[Volume], Study | None] | None = None
     oracle: Callable[[OracleScene, Any], Matrix] | None = None

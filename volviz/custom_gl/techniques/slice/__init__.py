@@ -16,6 +16,7 @@ TECHNIQUE = TechniqueInfo(
     create=Slice,
     pick=pick,
     facing=facing,
+    cursor_setting="point",
     inert={
         "normal": "acts with an oblique plane",
         "slab_mode": "acts with a slab that is thicker than a step",

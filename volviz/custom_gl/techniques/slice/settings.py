@@ -34,10 +34,10 @@ class SliceSettings:
     point: tuple[float, float, float] | None = parameter(
         None,
         "Point",
-        "World point through which the planes go.",
+        "World point through which the planes go; automatic is the cross-hair, or the middle of the volume.",
         kind="vector",
         optional=True,
-        none_label="middle of the volume",
+        none_label="at the cross-hair",
         group="Plane",
     )
     normal: tuple[float, float, float] = parameter(
