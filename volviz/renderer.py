@@ -375,7 +375,10 @@ class Renderer:
         checked_size(view.size)
         if view.camera is None:
             shown = resolve(spec, volumes)
-            camera = default_camera(shown.volume, view.size, transfer_function=shown.drawn_function)
+            facing = shown.info.facing(shown.settings) if shown.info.facing else None
+            camera = default_camera(
+                shown.volume, view.size, transfer_function=shown.drawn_function, facing=facing
+            )
             view = replace(view, camera=camera)
         return view
 

@@ -131,6 +131,8 @@ def draw(technique: str) -> None:
         show(footprint="gaussian")
         show(color_by="transfer_function", normals="flat")
         show(scattering=0.4)
+        show(interpolation="cubic", slab=3.0, slab_mode="composite")
+        show(interpolation="linear")
         if handle.technique.colors_surface:
             corners = np.asarray(of.corners[:3], np.float64)
             values = SurfaceValues(corners, np.array([[0, 1, 2]], np.int32), np.arange(3.0), np.ones(1))

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer.function import TransferFunction
     from volviz.tasks import Tasks
+    from volviz.volume_data.vectors import Vector
     from volviz.volume_data.volume import Volume
 
 Tile = tuple[int, int, int, int]
@@ -86,6 +87,9 @@ class TechniqueInfo:
     extraction : str
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
+    facing : callable or None
+        From its settings the direction towards the viewer, and up, from which its image is meant to be seen by a
+        parallel projection; it may give None as well. None where every view is as good.
     study : callable or None
         Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
         nothing in its images to refine.
@@ -122,6 +126,7 @@ class TechniqueInfo:
     isovalue_setting: str = ""
     matching: Matching = field(default_factory=Matching)
     extraction: str = ""
+    facing: Callable[[Any], tuple[Vector, Vector] | None] | None = None
     study: Callable[[Volume], Study | None] | None = None
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False
