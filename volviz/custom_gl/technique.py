@@ -386,8 +386,9 @@ class Frame:
         vertex, fragment : Path
             Shader files.
         defines : mapping, optional
-            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at) and ``NEAREST``, ``SHADING`` and
-            ``GRADIENT_OPACITY``, which follow the settings of these names; can override them.
+            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at), ``CLIP_PLANES`` (their number) and
+            ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY``, which follow the settings of these names; can
+            override them.
         hooks : mapping, optional
             Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
             unless they are named.
@@ -400,6 +401,7 @@ class Frame:
         common = self.common
         shared: dict[str, object] = {
             "SCENE_DEPTH": self.scene_depth is not None,
+            "CLIP_PLANES": len(self.planes),
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,
