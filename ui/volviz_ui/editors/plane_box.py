@@ -10,7 +10,7 @@ from volviz.custom_gl.scene_techniques import change_setting, current_settings, 
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.editors.simple import NoWheelComboBox
-from volviz_ui.views.plane_colors import COLORS
+from volviz_ui.style.plane_colors import COLORS
 from volviz_ui.widgets.binding import show_value
 
 DOT = 12

@@ -19,7 +19,7 @@ from volviz.model.cursor import cursor_of
 from volviz.model.scene import Scene
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
-from volviz_ui.views.plane_colors import COLORS
+from volviz_ui.style.plane_colors import COLORS
 from volviz_ui.views.viewport import Viewport
 
 #: Formats of medicine, whose world axes are those of a patient.
