@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.arguments import spec_of
-from volviz.custom_gl.framing import layers_camera
+from volviz.custom_gl.framing import default_camera, layers_camera
 from volviz.custom_gl.offscreen import (
     MAX_SIZE,
     apply_camera,
@@ -375,7 +375,11 @@ class Renderer:
         checked_size(view.size)
         if view.camera is None:
             shown = resolve(spec, volumes)
-            camera = layers_camera(shown.seen, view.size)
+            facing = shown.info.facing(shown.settings) if shown.info.facing else None
+            if facing is not None:
+                camera = default_camera(shown.volume, view.size, facing=facing)
+            else:
+                camera = layers_camera(shown.seen, view.size)
             view = replace(view, camera=camera)
         return view
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from volviz.commands.inputs import add_input, load_input
+from volviz.commands.slices import add_plane_options, asks_for_slice, plane_values, slicing_technique
 from volviz.errors import InputError, VolvizError
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
@@ -33,7 +34,7 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
                         " a folder with --all-techniques")  # fmt: skip
     parser.add_argument(
-        "-t", "--technique", default=DEFAULT_TECHNIQUE, metavar="ID", help="see volviz techniques"
+        "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
     )
     parser.add_argument(
         "--all-techniques", action="store_true", help="draw with every technique into a folder"
@@ -55,6 +56,7 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
                         help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
     parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
+    add_plane_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -65,12 +67,19 @@ def run(options: argparse.Namespace) -> int:
     size = parse_size(options.size)
     output = Path(options.output).expanduser()
     if not options.all_techniques:
-        info = technique(options.technique)
+        chosen = slicing_technique(options.technique) if asks_for_slice(options) else options.technique
+        info = technique(chosen or DEFAULT_TECHNIQUE)
         values = parse_values(info, options.values)
         check_output(output)
         volume = load_input(options)
+        if asks_for_slice(options):
+            values |= plane_values(options, volume, info)
         draw(volume, info, values, transfer_function(options, volume), size, options, output)
         return 0
+    if asks_for_slice(options) or options.technique is not None:
+        raise InputError(
+            "--all-techniques draws with every technique; leave out -t, --plane, --at and --slab."
+        )
     volume = load_input(options)
     function = transfer_function(options, volume)
     try:
@@ -108,10 +117,15 @@ def draw(
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
     function = function or TransferFunction.auto(volume)
     own = {p.name: values[p.name] for p in info.parameters if p.name in values}
-    shown = drawn_function(info, make_settings(info.settings, own, owner=info.id), function)
-    camera = default_camera(volume, size, options.azimuth, options.elevation, shown)
+    settings = make_settings(info.settings, own, owner=info.id)
+    shown = drawn_function(info, settings, function)
+    facing = info.facing(settings) if info.facing is not None else None
+    camera = default_camera(volume, size, options.azimuth, options.elevation, shown, facing)
     camera = replace(
-        camera, view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0), parallel=options.parallel
+        camera,
+        view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),
+        parallel=options.parallel or camera.parallel,
+        parallel_scale=camera.parallel_scale and camera.parallel_scale / options.zoom,
     )
     transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
     begin = time.perf_counter()

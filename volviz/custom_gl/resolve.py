@@ -10,21 +10,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.layer_set import (
-    Plane,
-    ResolvedLayer,
-    crop_planes,
-    is_same_lattice,
-    joint_crop,
-    resolved_layer,
-    visible_layers,
-)
+from volviz.custom_gl.lattices import crop_planes, is_same_lattice, joint_crop
+from volviz.custom_gl.layer_set import ResolvedLayer, resolved_layer, visible_layers
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.settings import CommonSettings, common_settings
 from volviz.custom_gl.technique import TechniqueInfo, surface_settings
 from volviz.errors import InputError
 from volviz.kernels.slices import crop_corners
-from volviz.model.clipping import Clipping, Crop
+from volviz.model.clipping import Clipping, Crop, Plane
 from volviz.model.light import Light, default_position
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors

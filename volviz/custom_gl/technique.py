@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer.function import TransferFunction
     from volviz.tasks import Tasks
+    from volviz.volume_data.vectors import Vector
     from volviz.volume_data.volume import Volume
 
 Tile = tuple[int, int, int, int]
@@ -88,6 +89,11 @@ class TechniqueInfo:
     extraction : str
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
+    cursor_setting : str
+        Name of the setting that holds a world point, and follows the scene's cursor while it is None; empty for none.
+    facing : callable or None
+        From its settings the direction towards the viewer, and up, from which its image is meant to be seen by a
+        parallel projection; it may give None as well. None where every view is as good.
     study : callable or None
         Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
         nothing in its images to refine.
@@ -126,6 +132,8 @@ class TechniqueInfo:
     isovalue_setting: str = ""
     matching: Matching = field(default_factory=Matching)
     extraction: str = ""
+    cursor_setting: str = ""
+    facing: Callable[[Any], tuple[Vector, Vector] | None] | None = None
     study: Callable[[Volume], Study | None] | None = None
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False
@@ -406,8 +414,9 @@ class Frame:
         vertex, fragment : Path
             Shader files.
         defines : mapping, optional
-            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at) and ``NEAREST``, ``SHADING`` and
-            ``GRADIENT_OPACITY``, which follow the settings of these names; can override them.
+            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at), ``CLIP_PLANES`` (their number) and
+            ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY``, which follow the settings of these names; can
+            override them.
         hooks : mapping, optional
             Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
             unless they are named.
@@ -420,6 +429,7 @@ class Frame:
         common = self.common
         shared: dict[str, object] = {
             "SCENE_DEPTH": self.scene_depth is not None,
+            "CLIP_PLANES": len(self.planes),
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,

@@ -9,33 +9,59 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import moderngl
 import numpy as np
+import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.resources import (
     SLAB_BYTES,
+    SampledFrame,
     VolumeResources,
     distance_texture,
     empty_scalars,
     texel_limits,
 )
-from volviz.custom_gl.layer_set import lattice_numbers
+from volviz.custom_gl.lattices import lattice_numbers
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.bricks import brick_grid_shape
+from volviz.model.layers import LayerMode
 from volviz.model.transfer.tables import baked
 from volviz.volume_data.scalars import BRICK, texture_data_of
 from volviz.volume_data.volume import Volume
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
-    from volviz.custom_gl.technique import Frame
 
 #: Layers whose scalars share a texture.
 PACK = 4
+
+
+class LayerFrame(SampledFrame, Protocol):
+    """What of the frame of one layer is read here."""
+
+    uniforms: dict[str, Any]
+    resources: VolumeResources
+    mode: LayerMode
+
+    @property
+    def world_to_texture(self) -> npt.NDArray[np.float64]:
+        """4 x 4 matrix from the world to texture coordinates."""
+
+
+class JointFrame(Protocol):
+    """What of the frame of all layers is read here."""
+
+    @property
+    def layers(self) -> Sequence[LayerFrame]:
+        """The layers."""
+
+    @property
+    def texture_to_world(self) -> npt.NDArray[np.float64]:
+        """4 x 4 matrix to the world from the texture coordinates in which rays are given."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +182,7 @@ class LayerResources:
 
     # ------------------------------------------------------------------ what all layers share
 
-    def lattice_uniforms(self, frame: Frame) -> list[dict[str, Any]]:
+    def lattice_uniforms(self, frame: JointFrame) -> list[dict[str, Any]]:
         """For each layer of a frame the uniforms of ``glsl/lattice.glsl`` and of its places in shared textures."""
         width = self._table_width(frame.layers)
         across, first_planes = self._atlas()
@@ -181,7 +207,7 @@ class LayerResources:
         return across, dict(zip(self.arrangement.leads, [0, *ends], strict=False))
 
     @staticmethod
-    def _table_width(layers: Sequence[Frame]) -> int:
+    def _table_width(layers: Sequence[LayerFrame]) -> int:
         return max(
             (
                 int(layer.uniforms["u_table_last"]) + 1
@@ -191,7 +217,7 @@ class LayerResources:
             default=1,
         )
 
-    def bind(self, program: Program, frame: Frame) -> None:
+    def bind(self, program: Program, frame: JointFrame) -> None:
         """Bind every texture that a program of several layers asks for."""
         for number, layer in enumerate(frame.layers):
             layer.resources.bind(program, layer, layer=number)
@@ -200,7 +226,7 @@ class LayerResources:
         if "t_layer_distances" in program.units:
             program.use_texture("t_layer_distances", self._distance(frame))
 
-    def _table(self, frame: Frame) -> Any:
+    def _table(self, frame: JointFrame) -> Any:
         functions = tuple(layer.transfer_function for layer in frame.layers)
         if self._tables is None or self._tables[0] != functions:
             rows = np.zeros((len(functions), self._table_width(frame.layers), 4), np.float32)
@@ -214,7 +240,7 @@ class LayerResources:
             self._tables = self._instead(self._tables, functions, texture)
         return self._tables[1]
 
-    def _distance(self, frame: Frame) -> Any:
+    def _distance(self, frame: JointFrame) -> Any:
         added = [n for n, layer in enumerate(frame.layers) if layer.mode == "add"]
         key = tuple((n, self.layers[n].occupancy_key(frame.layers[n])) for n in added)
         if self._distances is None or self._distances[0] != key:
@@ -248,7 +274,7 @@ class LayerResources:
         self._tables = self._distances = None
 
 
-def layer_defines(arrangement: Arrangement, layers: Sequence[Frame]) -> dict[str, object]:
+def layer_defines(arrangement: Arrangement, layers: Sequence[LayerFrame]) -> dict[str, object]:
     """What ``glsl/march_layers.glsl`` must know of the layers of a frame."""
     defines: dict[str, object] = {"LAYERS": len(layers), "LATTICES": len(arrangement.leads)}
     for n, layer in enumerate(layers):

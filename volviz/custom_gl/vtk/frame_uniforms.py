@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
 Matrix = npt.NDArray[np.float64]
 
-#: Clip planes, and the faces of a crop box that cuts layers with other lattices.
-MAX_PLANES = 12
-
 
 def shared_uniforms(frame: Frame) -> dict[str, Any]:
     """Values of the uniforms declared in ``glsl/``, by name; matrices are float64 arrays, row-major."""
@@ -33,7 +30,6 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_world_metric_y": tuple(to_world[1, :3]),
         "u_world_metric_z": tuple(to_world[2, :3]),
         **box_uniforms(frame),
-        "u_plane_count": len(frame.planes),
         "u_planes": _planes(frame, to_world),
         "u_size": tuple(float(n) for n in frame.size),
         "u_scalar_map": (texels.scale, texels.offset),
@@ -80,15 +76,16 @@ def box_uniforms(frame: Frame) -> dict[str, Any]:
 
 
 def _planes(frame: Frame, to_world: Matrix) -> Matrix:
-    """Clip planes in texture coordinates, shape (MAX_PLANES, 4), scaled for tests with one tolerance."""
-    planes = np.zeros((MAX_PLANES, 4))
+    """Clip planes in texture coordinates, four numbers each, scaled for tests with one tolerance."""
+    planes = np.zeros((len(frame.planes), 4))
     # distances in lengths of the volume, or nearly: dividing by a power of two rounds nothing
     unit = 2.0 ** -math.frexp(float(np.linalg.norm(frame.volume.extent)))[1]
     for row, (origin, normal) in enumerate(frame.planes):
         n = np.asarray(normal) * unit
         planes[row, :3] = to_world[:3, :3].T @ n
         planes[row, 3] = n @ (to_world[:3, 3] - np.asarray(origin))
-    return planes
+    # flat: four planes are not a matrix
+    return planes.ravel()
 
 
 def pixel_size(frame: Frame) -> float:
