@@ -13,7 +13,7 @@ import volviz
 from tests.render.scenes import blobs
 from volviz import ImageLayer
 from volviz.cli import main
-from volviz.model.transfer.looks import CHANNEL_COLORS, channel_function, named_look
+from volviz.model.layer_looks import CHANNEL_COLORS, channel_function, named_look
 
 
 @pytest.fixture

@@ -77,8 +77,8 @@ def _channel(text: str) -> tuple[int, str]:
 
 
 def _channel_layer(source: VolumeSource, number: int, look: str, time: int) -> ImageLayer:
+    from volviz.model.layer_looks import channel_color, channel_function, named_look
     from volviz.model.layers import ImageLayer
-    from volviz.model.transfer.looks import channel_color, channel_function, named_look
 
     volume = source.read(time=time, channel=number)
     known = source.channels[number]
@@ -92,8 +92,8 @@ def _channel_layer(source: VolumeSource, number: int, look: str, time: int) -> I
 def _file_layer(text: str) -> ImageLayer:
     """A layer of "pet.nii.gz:hot"; the name of a file may have colons of its own."""
     import volviz.io
+    from volviz.model.layer_looks import named_look
     from volviz.model.layers import ImageLayer
-    from volviz.model.transfer.looks import named_look
 
     path, look = _split(text)
     source = volviz.io.open(path)
