@@ -219,6 +219,19 @@ def draw_ray_inspector() -> None:
     draw_in_window("ray-inspector", "dark", "engine", act)
 
 
+def draw_slices_in_window() -> None:
+    """Three slices beside the volume."""
+
+    def act(window: Any) -> None:
+        window.commands["view.slices.grid"].trigger()
+        center = window.documents.volume.center
+        window.store.update(
+            lambda scene: replace(scene, cursor=(center[0] + 9, center[1] - 4, center[2] + 6))
+        )
+
+    draw_in_window("window-slices", "dark", "mri-head", act)
+
+
 def draw_crosscheck() -> None:
     """Marching cubes in the window, with the cross-check beneath."""
     from volviz.environment import prepare
@@ -326,6 +339,7 @@ DRAWINGS: dict[str, Callable[[], None]] = {
     "window": draw_window,
     "ray-inspector": draw_ray_inspector,
     "window-compare": draw_comparison_in_window,
+    "window-slices": draw_slices_in_window,
 }
 
 if __name__ == "__main__":

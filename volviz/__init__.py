@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from volviz.model.transfer.function import TransferFunction as TransferFunction
     from volviz.renderer import Renderer as Renderer
     from volviz.renderer import render as render
+    from volviz.slice_images import plane_points as plane_points
+    from volviz.slice_images import slice_image as slice_image
     from volviz.volume_data.volume import Volume as Volume
 
 _PUBLIC = {
@@ -48,9 +50,11 @@ _PUBLIC = {
     "load": "volviz.io",
     "open": "volviz.io",
     "marching_cubes": "volviz.kernels.marching",
+    "plane_points": "volviz.slice_images",
     "presets": "volviz.api",
     "render": "volviz.renderer",
     "show": "volviz.api",
+    "slice_image": "volviz.slice_images",
     "techniques": "volviz.api",
 }
 

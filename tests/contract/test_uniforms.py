@@ -14,6 +14,7 @@ import pytest
 import volviz
 import volviz.custom_gl
 from tests.render.scenes import function, shown, volume
+from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import MODES
@@ -43,6 +44,8 @@ class Record:
         Names by the file that declares them.
     read_in : dict of Path to set of str
         Those of them that a program reads in which the file takes part.
+    planes : set of (int, int)
+        For each linked program how many clip planes it was made for, and how many it reads.
     """
 
     def __init__(self) -> None:
@@ -52,6 +55,7 @@ class Record:
         self.read_by: dict[str, set[str]] = defaultdict(set)
         self.declared: dict[Path, set[str]] = defaultdict(set)
         self.read_in: dict[Path, set[str]] = defaultdict(set)
+        self.planes: set[tuple[int, int]] = set()
 
     def linked(self, program: Program, *texts: ShaderText) -> None:
         """Note what a new program reads and what its files declare."""
@@ -60,6 +64,10 @@ class Record:
             names = set(_DECLARATION.findall(path.read_text(encoding="utf-8")))
             self.declared[path] |= names
             self.read_in[path] |= names & set(program.gl)
+        made_for = re.search(r"#define CLIP_PLANES (\d)", texts[-1].text)
+        if made_for:
+            read = program.gl["u_planes"].array_length if "u_planes" in program else 0
+            self.planes.add((int(made_for[1]), read))
 
 
 @pytest.fixture(scope="module")
@@ -131,6 +139,8 @@ def draw(technique: str) -> None:
         show(footprint="gaussian")
         show(color_by="transfer_function", normals="flat")
         show(scattering=0.4)
+        show(interpolation="cubic", slab=3.0, slab_mode="composite")
+        show(interpolation="linear")
         if handle.technique.colors_surface:
             corners = np.asarray(of.corners[:3], np.float64)
             values = SurfaceValues(corners, np.array([[0, 1, 2]], np.int32), np.arange(3.0), np.ones(1))
@@ -141,6 +151,15 @@ def draw(technique: str) -> None:
         window.add_mesh(pyvista.Sphere(radius=2.0, center=of.center))
         show(clip_planes=())
         show(footprint="disc")
+        if handle.technique.draws_layers:
+            layers = (
+                volviz.ImageLayer(of, curve), volviz.ImageLayer(of, color="red"),
+                volviz.ImageLayer(volume(np.float32), curve), volviz.ImageLayer(of, curve, mode="mask"),
+            )  # fmt: skip
+            for mode, _ in MODES:
+                handle.show(spec_of(layers, technique, mode=mode, shading=True))
+                window.render()
+                handle.raise_error()
         # one that is enlarged beside a mesh is drawn while something moves only
         handle.gpu.programs.get(
             GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": True, "SCENE_DEPTH": True}
@@ -161,6 +180,11 @@ def test_every_uniform_that_a_shader_file_declares_is_read_where_it_stands(recor
         if names - record.read_in[path]
     }
     assert not unread
+
+
+def test_programs_read_as_many_clip_planes_as_there_are(record: Record) -> None:
+    # a program without rays or surfaces of the volume reads none
+    assert record.planes == {(0, 0), (1, 0), (1, 1)}
 
 
 def test_every_shader_file_was_looked_at(record: Record) -> None:

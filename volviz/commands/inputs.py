@@ -11,8 +11,10 @@ if TYPE_CHECKING:
     from volviz.volume_data.volume import Volume
 
 
-def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
-    """FILE and the hints for reading it."""
+def add_input(
+    parser: argparse.ArgumentParser, *, optional: bool = False, several_channels: bool = False
+) -> None:
+    """FILE and the hints for reading it; with several channels each may have a look."""
     parser.add_argument(
         "file", metavar="FILE", nargs="?" if optional else None,
         help="a volume file, a folder of DICOM slices, or sample:NAME",
@@ -24,7 +26,13 @@ def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
     hints.add_argument("--header", type=int, help="bytes before the first raw value")
     hints.add_argument("--spacing", metavar="X,Y,Z", help="distance of voxels, instead of the file's")
     hints.add_argument("--time", type=int, help="time point, from 0")
-    hints.add_argument("--channel", type=int, help="channel, from 0")
+    if several_channels:
+        hints.add_argument(
+            "--channel", action="append", default=[], metavar="N[:LOOK]",
+            help="channel, from 0; with a colour, colour map or preset, or more than once: channels drawn together",
+        )  # fmt: skip
+    else:
+        hints.add_argument("--channel", type=int, help="channel, from 0")
     hints.add_argument("--series", help="series of a DICOM folder or TIFF file")
 
 

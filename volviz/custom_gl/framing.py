@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -12,6 +15,7 @@ from volviz.model.camera import Camera
 from volviz.model.transfer.function import TransferFunction
 from volviz.model.transfer.tables import baked
 from volviz.volume_data.scalars import BRICK, bricks_of, gradient_bricks_of
+from volviz.volume_data.vectors import Vector
 from volviz.volume_data.volume import Volume
 
 #: Viewing direction: degrees to the side of a look at a patient's face, and above the horizon.
@@ -23,6 +27,9 @@ VISIBLE_OPACITY = 0.004
 #: Volumes of at most so many voxels are looked at voxel by voxel: their bricks would be too coarse a frame.
 SMALL = 2**18
 
+#: Part of the image that what is faced fills.
+FILL = 0.92
+
 #: Voxels kept free around what is visible in them, along every axis.
 AIR = 1
 
@@ -33,6 +40,7 @@ def default_camera(
     azimuth: float = 0.0,
     elevation: float = 0.0,
     transfer_function: TransferFunction | None = None,
+    facing: tuple[Vector, Vector] | None = None,
 ) -> Camera:
     """A camera that sees the whole volume, from the front, a little to the side and above.
 
@@ -47,10 +55,45 @@ def default_camera(
     transfer_function : TransferFunction, optional
         Frames only what this function shows, rather than the whole box: its regions when it has any (see
         `volviz.custom_gl.technique.drawn_function`).
+    facing : pair of vectors, optional
+        Direction towards the viewer, and up: a parallel projection from there (`TechniqueInfo.facing`).
     """
+    if facing is not None:
+        toward, up = facing
+        camera = Camera.fit(
+            volume.corners, direction=[-v for v in toward], view_up=up, aspect=size[0] / size[1]
+        ).turned(azimuth, elevation)
+        across, upwards = (float(np.ptp(volume.corners @ axis)) for axis in _screen_axes(camera))
+        scale = max(upwards, across * size[1] / size[0]) / (2 * FILL)
+        return replace(camera, parallel=True, parallel_scale=scale)
     points = volume.corners if transfer_function is None else visible_points(volume, transfer_function)
+    return camera_around(points, size, azimuth, elevation)
+
+
+def layers_camera(
+    layers: Iterable[tuple[Volume, TransferFunction]],
+    size: tuple[int, int],
+    azimuth: float = 0.0,
+    elevation: float = 0.0,
+) -> Camera:
+    """The same for what the functions of several volumes show."""
+    points = np.concatenate([visible_points(volume, function) for volume, function in layers])
+    return camera_around(points, size, azimuth, elevation)
+
+
+def camera_around(
+    points: npt.NDArray[np.float64], size: tuple[int, int], azimuth: float, elevation: float
+) -> Camera:
+    """The same for world positions, shape (N, 3)."""
     turned = Camera.fit(points).turned(AZIMUTH + azimuth, ELEVATION + elevation)
     return Camera.fit(points, direction=turned.direction, view_up=turned.view_up, aspect=size[0] / size[1])
+
+
+def _screen_axes(camera: Camera) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Unit vectors to the right and upwards in the image."""
+    right = np.cross(camera.direction, camera.view_up)
+    right /= np.linalg.norm(right)
+    return right, np.cross(right, camera.direction)
 
 
 def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.float64]:

@@ -16,6 +16,7 @@ from volviz.custom_gl.settings import common_settings
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
 
@@ -76,6 +77,10 @@ class OracleScene:
             "view": self.view, "projection": self.projection, "size": self.size, "step_world": self.step,
             "crop": self.clipping.crop, "clip_planes": self.clipping.planes,
         }  # fmt: skip
+
+    def volume(self) -> Volume:
+        """The array on its lattice."""
+        return Volume(self.array, self.spacing, self.origin, self.direction)
 
     def table(self) -> npt.NDArray[np.float32]:
         """Colours and opacities over the value range, shape (N, 4)."""

@@ -11,9 +11,14 @@ from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.light import Light
 from volviz.model.parameters import Parameter
 from volviz.model.render_spec import RenderSpec
-from volviz.model.scene import Scene
+from volviz.model.scene import Layout, Scene, SceneView
+from volviz.model.slice_plane import NAMED_PLANES
 from volviz.model.store import Store
 from volviz.model.surface_values import DistanceColoring
+from volviz.model.transfer.first_look import automatic_window
+from volviz.model.view_edits import with_comparison
+from volviz.volume_data.vectors import Vector
+from volviz.volume_data.volume import Volume
 
 
 def drawing_techniques() -> list[TechniqueInfo]:
@@ -38,6 +43,78 @@ def current_settings(scene: Scene, view: int | None = None) -> Any:
     return scene.view_at(view).settings_for(info.id, info.settings)
 
 
+def settings_at_cursor(scene: Scene, view: int | None = None) -> Any:
+    """Settings with which a view is drawn: what follows the cursor is where that is."""
+    info, settings = current_technique(scene, view), current_settings(scene, view)
+    name = info.cursor_setting
+    if not name or scene.cursor is None or getattr(settings, name) is not None:
+        return settings
+    return replace(settings, **{name: scene.cursor})
+
+
+def slice_technique() -> TechniqueInfo:
+    """The technique that shows planes to be faced."""
+    return next(info for info in techniques().values() if info.facing is not None)
+
+
+def faced(scene: Scene, view: int) -> tuple[Vector, Vector] | None:
+    """Direction towards the viewer, and up, of a view that looks at one plane by a camera of its own; else None."""
+    info = current_technique(scene, view)
+    if info.facing is None or not scene.view_at(view).own_camera:
+        return None
+    return info.facing(current_settings(scene, view))
+
+
+def with_slices(scene: Scene, layout: Layout) -> Scene:
+    """The active view beside an axial, a coronal and a sagittal slice, which have cameras of their own.
+
+    Slices that are there stay as they are.
+    """
+    first = next((view for view in (scene.view, *scene.views) if not view.own_camera), SceneView())
+    info = slice_technique()
+    there = [view for view in scene.views if view.own_camera]
+    slices = there if len(there) == len(NAMED_PLANES) else [
+        SceneView(own_camera=True).with_settings(info.id, info.settings(plane=plane)) for plane in NAMED_PLANES
+    ]  # fmt: skip
+    views = (first, *(replace(view, technique=info.id) for view in slices))
+    return replace(with_comparison(scene, mode="side_by_side"), views=views, active=0, layout=layout)
+
+
+def with_window_moved(scene: Scene, volume: Volume, view: int, wider: float, higher: float) -> Scene:
+    """The scene whose slices have the grey window of one of them, made wider and moved.
+
+    Parameters
+    ----------
+    scene : Scene
+    volume : Volume
+        Whose values are shown.
+    view : int
+        Number of the view whose window is changed.
+    wider : float
+        How much wider, 1 is twice as wide.
+    higher : float
+        How much higher, in widths.
+    """
+    info = slice_technique()
+    settings = scene.view_at(view).settings_for(info.id, info.settings)
+    low, high = automatic_window(volume)
+    width = settings.window_width or high - low
+    level = (low + high) / 2 if settings.window_level is None else settings.window_level
+    changes = {"window_width": width * 2.0**wider, "window_level": level + higher * width}
+    for number, each in enumerate(scene.views):
+        if each.technique == info.id:
+            changed = replace(each.settings_for(info.id, info.settings), **changes)
+            scene = scene.with_view(number, settings=each.with_settings(info.id, changed).settings)
+    return scene
+
+
+def without_slices(scene: Scene) -> Scene:
+    """The scene without the views that have cameras of their own; one view stays in any case."""
+    kept = tuple(view for view in scene.views if not view.own_camera)
+    views = kept or (replace(scene.view, own_camera=False, camera=None),)
+    return replace(scene, views=views, active=0, layout="grid")
+
+
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:
     """Draw a view, the active one unless another is named, with another technique; a step of the history.
 
@@ -56,9 +133,14 @@ def choose_technique(store: Store, technique: str, *, view: int | None = None) -
 
 
 def change_setting(
-    store: Store, parameter: Parameter, value: Any, *, gesture: Hashable | None = None
+    store: Store,
+    parameter: Parameter,
+    value: Any,
+    *,
+    view: int | None = None,
+    gesture: Hashable | None = None,
 ) -> None:
-    """Give a setting of the current technique another value.
+    """Give a setting of the technique that draws a view, the active one unless another is named, another value.
 
     Raises
     ------
@@ -67,9 +149,10 @@ def change_setting(
     """
 
     def change(scene: Scene) -> Scene:
-        info = current_technique(scene)
-        settings = replace(current_settings(scene), **{parameter.name: parameter.checked(value)})
-        return scene.with_view(settings=scene.view.with_settings(info.id, settings).settings)
+        info = current_technique(scene, view)
+        settings = replace(current_settings(scene, view), **{parameter.name: parameter.checked(value)})
+        changed = scene.view_at(view).with_settings(info.id, settings)
+        return scene.with_view(view, settings=changed.settings)
 
     store.update(change, label=parameter.label, gesture=gesture)
 
@@ -89,7 +172,7 @@ def render_spec(scene: Scene, view: int | None = None) -> RenderSpec:
     return RenderSpec(
         scene.layers,
         current_technique(scene, view).id,
-        current_settings(scene, view),
+        settings_at_cursor(scene, view),
         scene.light,
         scene.clipping,
         distance_coloring(scene, view),

@@ -23,15 +23,18 @@ from volviz.model.parameters import Cost, Parameter, parameters_of, setting_valu
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.context import Gpu
+    from volviz.custom_gl.gpu.layer_resources import LayerResources
     from volviz.custom_gl.gpu.programs import Program
     from volviz.custom_gl.gpu.resources import VolumeResources
     from volviz.custom_gl.gpu.targets import Target
     from volviz.custom_gl.oracles import OracleScene
     from volviz.custom_gl.picking import Picked, Sight
     from volviz.custom_gl.study import Study
+    from volviz.model.layers import LayerMode
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer.function import TransferFunction
     from volviz.tasks import Tasks
+    from volviz.volume_data.vectors import Vector
     from volviz.volume_data.volume import Volume
 
 Tile = tuple[int, int, int, int]
@@ -86,6 +89,11 @@ class TechniqueInfo:
     extraction : str
         How it extracts a mesh from the volume: a method of `volviz.kernels.marching` (a setting ``method`` goes before
         it) or the name of a filter of VTK; empty where it draws no mesh of an isosurface.
+    cursor_setting : str
+        Name of the setting that holds a world point, and follows the scene's cursor while it is None; empty for none.
+    facing : callable or None
+        From its settings the direction towards the viewer, and up, from which its image is meant to be seen by a
+        parallel projection; it may give None as well. None where every view is as good.
     study : callable or None
         Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
         nothing in its images to refine.
@@ -94,6 +102,8 @@ class TechniqueInfo:
         shape (H, W, 4), row 0 at the top.
     is_oracle : bool
         It is an oracle itself: its frame times say nothing, and everything is compared with it.
+    draws_layers : bool
+        It draws several layers in one ray integral (`Frame.layers`).
     samples_rays : bool
         It gathers samples along rays, or in slices across them, as `volviz.reference.ray_profile` does with its
         settings.
@@ -122,9 +132,12 @@ class TechniqueInfo:
     isovalue_setting: str = ""
     matching: Matching = field(default_factory=Matching)
     extraction: str = ""
+    cursor_setting: str = ""
+    facing: Callable[[Any], tuple[Vector, Vector] | None] | None = None
     study: Callable[[Volume], Study | None] | None = None
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False
+    draws_layers: bool = False
     samples_rays: bool = False
     view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 
@@ -283,6 +296,15 @@ class Frame:
     surface_colors : SurfaceColors or None
         Values of the surface that are to be seen instead of its own colours, where the technique can
         (`TechniqueInfo.colors_surface`).
+    layers : tuple of Frame
+        Where several layers are drawn in one integral, each as if it were alone, the first one like this frame; empty
+        where one is drawn. Their places in shaders are those in this tuple (`volviz.custom_gl.shader_source`).
+    joint : LayerResources or None
+        Textures that several layers share.
+    mode : {"add", "mask", "modulate"}
+        How the volume joins other layers (`volviz.ImageLayer`).
+    joined_to : Frame or None
+        Of one of several layers, the frame of all: it says the step and from where surfaces are seen.
     """
 
     gpu: Gpu
@@ -311,6 +333,15 @@ class Frame:
     uniforms: dict[str, Any]
     tasks: Tasks
     surface_colors: SurfaceColors | None = None
+    layers: tuple[Frame, ...] = ()
+    joint: LayerResources | None = None
+    mode: LayerMode = "add"
+    joined_to: Frame | None = None
+
+    @property
+    def center(self) -> Matrix:
+        """World position that centred coordinates count from: the middle of the volume."""
+        return np.asarray(self.volume.center if self.joined_to is None else self.joined_to.center)
 
     @property
     def box_corners(self) -> Matrix:
@@ -337,15 +368,17 @@ class Frame:
         return np.asarray(self.camera.view_projection @ self.texture_to_world)
 
     def recentred(self, to_world: Matrix) -> Matrix:
-        """A 4 x 4 matrix to the world as one to centred coordinates: world units from the middle of the volume."""
+        """A 4 x 4 matrix to the world as one to centred coordinates: world units from `center`."""
         moved = to_world.copy()
         # in float64, before shaders round to float32
-        moved[:3, 3] -= self.volume.center
+        moved[:3, 3] -= self.center
         return moved
 
     @cached_property
     def viewpoint(self) -> Matrix:
         """World position from which surfaces are seen; far behind the view for parallel projection."""
+        if self.joined_to is not None:
+            return self.joined_to.viewpoint
         if not self.camera.parallel:
             return self.camera.eye
         extent = float(np.linalg.norm(self.volume.extent))
@@ -358,8 +391,11 @@ class Frame:
 
     @property
     def step_world(self) -> float:
-        """Distance between samples in world units (settings that have a ``step``)."""
-        return float(self.common.step) * min(self.volume.spacing) * self.step_scale
+        """Distance between samples in world units (settings that have a ``step``): that of the finest layer."""
+        if self.joined_to is not None:
+            return self.joined_to.step_world
+        finest = min(min(each.volume.spacing) for each in (self, *self.layers))
+        return float(self.common.step) * finest * self.step_scale
 
     def program(
         self,
@@ -378,8 +414,9 @@ class Frame:
         vertex, fragment : Path
             Shader files.
         defines : mapping, optional
-            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at) and ``NEAREST``, ``SHADING`` and
-            ``GRADIENT_OPACITY``, which follow the settings of these names, and ``TABLE_FOLDED``; can override them.
+            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at), ``CLIP_PLANES`` (their number),
+            ``TABLE_FOLDED`` (a table of more than one row) and ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY``, which
+            follow the settings of these names; can override them.
         hooks : mapping, optional
             Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
             unless they are named.
@@ -392,6 +429,7 @@ class Frame:
         common = self.common
         shared: dict[str, object] = {
             "SCENE_DEPTH": self.scene_depth is not None,
+            "CLIP_PLANES": len(self.planes),
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,
@@ -416,8 +454,13 @@ class Frame:
         """Set every shared uniform that the program has and bind the shared textures to their units."""
         # uniforms stay with the program, bindings do not survive what VTK draws between two chunks
         if program.is_taken_over(self):
+            for number, layer in enumerate(self.layers):
+                program.set(layer.uniforms, number)
             program.set(self.uniforms)
-        self.resources.bind(program, self, table_length)
+        if self.joint is not None:
+            self.joint.bind(program, self)
+        else:
+            self.resources.bind(program, self, table_length)
 
 
 @runtime_checkable

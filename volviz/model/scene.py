@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from operator import itemgetter
-from typing import Any
+from typing import Any, Literal
 
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
@@ -13,8 +13,11 @@ from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
+from volviz.volume_data.vectors import Vector
 
 Color = tuple[float, float, float]
+Layout = Literal["grid", "large"]
+LAYOUTS: tuple[Layout, ...] = ("grid", "large")
 
 
 @dataclass(frozen=True)
@@ -29,11 +32,14 @@ class SceneView:
         Settings of every technique that was changed, by id; the others have their defaults.
     camera : Camera or None
         None until the first image is framed.
+    own_camera : bool
+        It looks from a place of its own; the others share one camera.
     """
 
     technique: str = DEFAULT_TECHNIQUE
     settings: tuple[tuple[str, Any], ...] = ()
     camera: Camera | None = None
+    own_camera: bool = False
 
     def settings_for(self, technique: str, default: Callable[[], Any]) -> Any:
         """Settings of a technique, made by `default` when none are stored."""
@@ -64,11 +70,15 @@ class Scene:
     light, clipping, background
         Shared by all views.
     views : tuple of SceneView
-        One, or two to four that are compared; they share one camera.
+        One to four; those without a camera of their own share one.
     active : int
         Number of the view that panels and keys act on.
     comparison : Comparison
         How several views are looked at together.
+    cursor : tuple of 3 floats or None
+        World point that slices go through and that cross-hairs mark; None is the middle of the volume.
+    layout : {"grid", "large"}
+        Views of equal size, or the first one large beside the others.
     """
 
     layers: tuple[ImageLayer | LabelLayer, ...] = ()
@@ -78,6 +88,8 @@ class Scene:
     views: tuple[SceneView, ...] = (SceneView(),)
     active: int = 0
     comparison: Comparison = Comparison()
+    cursor: Vector | None = None
+    layout: Layout = "grid"
 
     @property
     def layer(self) -> ImageLayer | None:
@@ -128,13 +140,17 @@ class Scene:
         views[at] = replace(views[at], **changes)
         return replace(self, views=tuple(views))
 
-    def with_camera(self, camera: Camera | None) -> Scene:
-        """The scene seen from another place, in all views."""
-        return replace(self, views=tuple(replace(view, camera=camera) for view in self.views))
+    def with_camera(self, camera: Camera | None, index: int | None = None) -> Scene:
+        """The scene seen from another place: in one view that has its own camera, else in all that share one."""
+        if index is not None and index < len(self.views) and self.views[index].own_camera:
+            return self.with_view(index, camera=camera)
+        views = (view if view.own_camera else replace(view, camera=camera) for view in self.views)
+        return replace(self, views=tuple(views))
 
     def with_view_count(self, count: int) -> Scene:
         """The scene with so many views: new ones repeat the active one, those at the end go."""
-        views = (*self.views, *(count - len(self.views)) * (self.view,))[: max(count, 1)]
+        repeated = self.view if not self.view.own_camera else self.views[0]
+        views = (*self.views, *(count - len(self.views)) * (repeated,))[: max(count, 1)]
         comparison = replace(self.comparison, pair=self.comparison.pair if count > 2 else (0, 1))
         return replace(
             self, views=views, active=min(self.active_index, len(views) - 1), comparison=comparison

@@ -20,12 +20,12 @@ from volviz.model.comparison import MOST_VIEWS, Comparison
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of, setting_values
-from volviz.model.scene import Scene, SceneView
+from volviz.model.scene import LAYOUTS, Scene, SceneView
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 
 #: Version that this program writes.
-VERSION = 2
+VERSION = 3
 _LAYER_KINDS: dict[str, type[ImageLayer | LabelLayer]] = {"image": ImageLayer, "labels": LabelLayer}
 KIND = "volviz session"
 SUFFIX = ".volviz.json"
@@ -59,6 +59,8 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
         "views": [_view_to_dict(view) for view in scene.views],
         "active": scene.active,
         "comparison": dataclasses.asdict(scene.comparison),
+        "cursor": scene.cursor,
+        "layout": scene.layout,
     }
 
 
@@ -153,7 +155,12 @@ def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
 def _view_to_dict(view: SceneView) -> dict[str, Any]:
     settings = {technique: setting_values(values) for technique, values in view.settings}
     camera = None if view.camera is None else dataclasses.asdict(view.camera)
-    return {"technique": view.technique, "settings": settings, "camera": camera}
+    return {
+        "technique": view.technique,
+        "settings": settings,
+        "camera": camera,
+        "own_camera": view.own_camera,
+    }
 
 
 def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -> Scene:
@@ -172,6 +179,8 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         views=views,
         active=min(max(int(data["active"]), 0), len(views) - 1),
         comparison=_comparison(data["comparison"]),
+        cursor=None if data["cursor"] is None else _numbers(data["cursor"], 3),
+        layout=LAYOUTS[LAYOUTS.index(data["layout"])],
     )
 
 
@@ -199,6 +208,7 @@ def _view(data: dict[str, Any], settings_of: SettingsOf) -> SceneView:
     view = SceneView(
         technique if settings_of(technique) is not None else SceneView().technique,
         camera=None if camera is None else _camera(camera),
+        own_camera=bool(data["own_camera"]),
     )
     for technique, values in data["settings"].items():
         kind: Any = settings_of(technique)
@@ -245,5 +255,14 @@ def _to_version_2(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "layers": layers, "active": data.get("active", 0), "comparison": {**known, **told}}
 
 
+def _to_version_3(data: dict[str, Any]) -> dict[str, Any]:
+    """Views with cameras of their own, a cursor, and views of unequal size."""
+    views = [{**view, "own_camera": False} for view in data["views"]]
+    return {**data, "views": views, "cursor": None, "layout": "grid"}
+
+
 #: Takes the data of a version, gives that of the next one; applied one after another.
-CONVERTERS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {1: _to_version_2}
+CONVERTERS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {
+    1: _to_version_2,
+    2: _to_version_3,
+}

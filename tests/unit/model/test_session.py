@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -209,6 +209,18 @@ def test_what_is_no_good_session_is_refused_in_a_sentence(change: dict[str, Any]
     with pytest.raises(LoadError, match=words) as caught:
         scene_from_dict(data, settings_of)
     assert "\n" not in str(caught.value)
+
+
+def test_a_session_of_version_2_has_one_camera_and_no_cross_hair() -> None:
+    scene = a_scene("sample:engine")
+    data = scene_to_dict(scene)
+    for name in ("cursor", "layout"):
+        del data[name]
+    for view in data["views"]:
+        del view["own_camera"]
+    assert scene_from_dict({**data, "version": 2}, settings_of) == scene
+    moved = replace(scene, cursor=(1.0, 2.0, 3.0), layout="large")
+    assert scene_from_dict(scene_to_dict(moved), settings_of) == moved
 
 
 def test_a_text_file_is_no_session(tmp_path: Path) -> None:

@@ -8,17 +8,22 @@ from functools import partial
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QKeySequence
 
-from volviz.custom_gl.framing import default_camera
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
-from volviz.custom_gl.technique import drawn_function
+from volviz.custom_gl.scene_techniques import with_slices, without_slices
 from volviz.model.camera import Camera
-from volviz.model.scene import Color, Scene
+from volviz.model.scene import Color, Layout, Scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, has_volume
 from volviz_ui.views.camera_moves import axis_camera
 from volviz_ui.widgets.docks import Docks
 
-SHOWN_AT_FIRST = {"box": False, "axes": False, "marker": True, "bar": False, "handles": True}
+SHOWN_AT_FIRST = {
+    "box": False,
+    "axes": False,
+    "marker": True,
+    "bar": False,
+    "handles": True,
+    "cross_hair": True,
+}
 
 
 class ViewCommands(QObject):
@@ -41,6 +46,7 @@ class ViewCommands(QObject):
                     keys=("Home", "F"), icon="frame-corners", enabled=has_volume,
                 ),
                 Menu(tr("&Look from"), self._axis_views()),
+                Menu(tr("Sl&ices"), self._slice_layouts()),
                 Command(
                     "view.parallel", tr("Para&llel projection"), tr("Without perspective"), self.set_parallel,
                     keys=("O",), enabled=has_volume, checked=lambda state: is_parallel(state.scene),
@@ -95,9 +101,44 @@ class ViewCommands(QObject):
             )
         ]  # fmt: skip
 
-    def _switch(self, name: str, words: str, tip: str, key: str, icon: str = "") -> Command:
+    def _slice_layouts(self) -> list[Command | None]:
+        def layout(name: Layout, words: str, tip: str, key: str) -> Command:
+            return Command(
+                f"view.slices.{name}", words, tip, partial(self.show_slices, name), keys=(key,), icon="grid-four",
+                enabled=has_volume,
+                checked=lambda state: state.scene.layout == name and any(v.own_camera for v in state.scene.views),
+            )  # fmt: skip
+
+        tr = self.tr
+        return [
+            layout("grid", tr("Three slices and the volume, &equal"),
+                   tr("Axial, coronal and sagittal slices beside the volume; click again for the volume alone"),
+                   "Ctrl+D"),
+            layout("large", tr("Three slices beside a &large volume"),
+                   tr("The volume large, three slices small at its right"), "Ctrl+Shift+D"),
+            None,
+            self._switch("cross_hair", tr("&Cross-hair"), tr("Where the slices meet, and what lies at their edges")),
+            Command(
+                "view.slices.centre", tr("Cross-hair to the &middle"), tr("Back to the middle of the volume"),
+                self.center_cursor, enabled=lambda state: state.scene.cursor is not None,
+            ),
+        ]  # fmt: skip
+
+    def show_slices(self, layout: Layout, on: bool) -> None:
+        """Slices of three directions beside the volume, or the volume alone again."""
+        self._context.store.update(
+            (lambda scene: with_slices(scene, layout)) if on else without_slices, label=self.tr("Slices")
+        )
+
+    def center_cursor(self) -> None:
+        """Let the cross-hair stand in the middle of the volume."""
+        self._context.store.update(
+            lambda scene: replace(scene, cursor=None), label=self.tr("Cross-hair to the middle")
+        )
+
+    def _switch(self, name: str, words: str, tip: str, key: str = "", icon: str = "") -> Command:
         return Command(
-            f"view.{name}", words, tip, partial(self.show_annotations, name), keys=(key,), icon=icon,
+            f"view.{name}", words, tip, partial(self.show_annotations, name), keys=(key,) if key else (), icon=icon,
             checked=lambda state: name in state.shown,
         )  # fmt: skip
 
@@ -120,14 +161,14 @@ class ViewCommands(QObject):
     # ------------------------------------------------------------------ cameras
 
     def reset_camera(self) -> None:
-        """See all that is visible, a little from the side, as at first."""
-        volume, scene = self._context.documents.volume, self._context.documents.shown.scene
-        if volume is not None and scene.layer is not None:
-            function = drawn_function(
-                current_technique(scene), current_settings(scene), scene.layer.transfer_function
-            )
-            size = self._context.views.first.viewport.pixel_size
-            self._show_camera(default_camera(volume, size, transfer_function=function))
+        """See all that is visible, a little from the side, as at first; a slice whole."""
+        controller = self._context.views.active.controller
+        camera = controller.first_camera(self._context.documents.shown)
+        if camera is None:
+            return
+        if not camera.parallel:
+            camera = projected(camera, parallel=is_parallel(self._context.store.scene))
+        controller.show_camera(camera)
 
     def show_axis_view(self, letter: str) -> None:
         """Look from anterior, posterior, left, right, superior or inferior."""

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.scene_techniques import current_technique, settings_at_cursor
 from volviz.model.camera import Camera
 from volviz.model.layers import ImageLayer
 from volviz.model.light import Light
@@ -37,7 +37,7 @@ def compare_arguments(
         raise ValueError("a scene without volume or camera shows nothing to report on")
     words = ["compare", layer.volume.source, *input_words(layer)]
     for view in range(len(scene.views)):
-        info, settings = current_technique(scene, view), current_settings(scene, view)
+        info, settings = current_technique(scene, view), settings_at_cursor(scene, view)
         parts = [info.id]
         values = setting_values(settings)
         parts += [

@@ -6,7 +6,7 @@ from dataclasses import fields
 from typing import Any
 
 from volviz.custom_gl.registry import technique
-from volviz.custom_gl.scene_techniques import current_settings, current_technique, distance_coloring
+from volviz.custom_gl.scene_techniques import current_technique, distance_coloring, settings_at_cursor
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
@@ -65,7 +65,7 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     if scene.view.camera is not None:
         lines += [f"    camera={_camera(scene.view.camera)},"]
     lines += _light(scene.light, info) + _clipping(scene.clipping)
-    lines += [f"    {setting}," for setting in _settings(info, current_settings(scene))]
+    lines += [f"    {setting}," for setting in _settings(info, settings_at_cursor(scene))]
     if coloring is not None:
         lines += ["    surface_colors=surface_colors,"]
     lines += [")", ""]
@@ -90,7 +90,7 @@ def _coloring(scene: Scene, coloring: DistanceColoring | None) -> list[str]:
     settings = ", ".join(_settings(info, coloring.settings))
     lines = [f"other = volviz.techniques()[{info.id!r}].settings({settings})"]
     shown = current_technique(scene)
-    own = ", ".join(["volume", repr(shown.id), *_settings(shown, current_settings(scene))])
+    own = ", ".join(["volume", repr(shown.id), *_settings(shown, settings_at_cursor(scene))])
     options = "" if coloring.signed else ", signed=False"
     options += "" if coloring.limit is None else f", limit={_number(coloring.limit)}"
     return [

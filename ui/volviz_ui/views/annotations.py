@@ -35,7 +35,19 @@ class Annotations:
         self._words = ""
         self._values_shown: Any = None
         self._marker = False
+        self._has_letters = False
         viewport.set_background(BOTTOM, top=TOP)
+
+    @property
+    def has_letters(self) -> bool:
+        """Whether directions are written at the edges already, in the place of the marker."""
+        return self._has_letters
+
+    @has_letters.setter
+    def has_letters(self, has_letters: bool) -> None:
+        if has_letters != self._has_letters:
+            self._has_letters = has_letters
+            self.show("marker", self._shown["marker"])
 
     def is_shown(self, name: str) -> bool:
         """Whether "box", "axes", "marker" or "bar" is switched on."""
@@ -144,6 +156,7 @@ class Annotations:
         )
 
     def _show_marker(self, on: bool) -> None:
+        on = on and not self._has_letters
         if on and not self._marker:
             self._viewport.add_axes(
                 interactive=False,

@@ -54,6 +54,18 @@ def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camer
     )
 
 
+def point_on_plane(
+    camera: Camera, place: tuple[float, float], size: tuple[int, int], through: Vector
+) -> Vector:
+    """World point behind a place (x right, y down, in pixels) on the plane across the view through another point."""
+    per_pixel = 2 * camera.scale / max(size[1], 1)
+    right, up = frame(camera)
+    dx, dy = place[0] - size[0] / 2, place[1] - size[1] / 2
+    point = np.asarray(camera.focal_point) + per_pixel * (dx * right - dy * up)
+    direction = np.asarray(camera.direction)
+    return _vector(point + ((np.asarray(through) - point) @ direction) * direction)
+
+
 def axis_camera(volume: Volume, letter: str, aspect: float) -> Camera:
     """The view along an axis of the world, named by the side from which one looks."""
     direction, view_up = AXIS_VIEWS[letter]

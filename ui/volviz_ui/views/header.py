@@ -1,4 +1,4 @@
-"""The line above a view: A or B, which technique draws it, how far its image is, how long that took."""
+"""The line above a view: A or B and its technique, or its plane; how far its image is, how long that took."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QResizeE
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from volviz.model.store import Store
+from volviz_ui.editors.plane_box import PlaneBox, plane_of
 from volviz_ui.editors.technique_box import TechniqueBox
 from volviz_ui.views.sides import SideBadge
+from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.small import small_button
 
 HEIGHT = 34
@@ -43,6 +45,8 @@ class ViewHeader(QWidget):
         self.box.setToolTip(self.tr("How view %1 is drawn").replace("%1", str(view + 1)))
         self.box.setAccessibleName(self.tr("Technique of view %1").replace("%1", str(view + 1)))
         self.box.activated.connect(lambda _index: self.activated.emit())
+        self.plane_box = PlaneBox(store, view, self)
+        self.plane_box.activated.connect(lambda _index: self.activated.emit())
         self.words = QLabel(self)
         self.words.setProperty("quiet", True)
         self.words.setToolTip(self.tr("Resolution now shown, and the time that drawing took"))
@@ -57,6 +61,8 @@ class ViewHeader(QWidget):
         layout.setSpacing(8)
         layout.addWidget(self.badge)
         layout.addWidget(self.box, 1)
+        layout.addWidget(self.plane_box)
+        layout.addStretch()
         layout.addWidget(self.words)
         layout.addWidget(self.close_button)
 
@@ -64,11 +70,18 @@ class ViewHeader(QWidget):
         widths = [part.sizeHint().width() for part in (self.badge, self.close_button)]
         widths += [self.box.minimumSizeHint().width(), widest, margins.left(), margins.right()]
         self._needed = sum(widths) + 3 * layout.spacing()
+        show_value(store, lambda scene: plane_of(scene, view), self._show_plane)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """In a view too narrow for all of it, the words give way: they would lie below the button."""
         super().resizeEvent(event)
         self.words.setVisible(self.width() >= self._needed)
+
+    def _show_plane(self, plane: str) -> None:
+        """A view of a slice has its plane in the place of the technique, and is not compared."""
+        for part in (self.badge, self.box):
+            part.setVisible(not plane)
+        self.plane_box.setVisible(bool(plane))
 
     @property
     def is_active(self) -> bool:

@@ -7,20 +7,26 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
 
 from volviz.custom_gl.arguments import keeping_surface_colors
 from volviz.custom_gl.framing import default_camera
-from volviz.custom_gl.scene_techniques import current_settings, current_technique
+from volviz.custom_gl.scene_techniques import (
+    current_settings,
+    current_technique,
+    faced,
+    with_window_moved,
+)
 from volviz.custom_gl.technique import drawn_function
 from volviz.custom_gl.vtk import add_spec
 from volviz.model.camera import Camera
+from volviz.model.cursor import cursor_of, stepped, within
 from volviz.model.light import default_position
 from volviz.model.store import Store
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
-from volviz_ui.views.camera_moves import light_moved, light_turned
+from volviz_ui.views.camera_moves import light_moved, light_turned, point_on_plane
 from volviz_ui.views.frame_scheduler import QtFrameScheduler
 from volviz_ui.views.viewport import Viewport, same_view
 
@@ -76,6 +82,9 @@ class ViewController(QObject):
         viewport.light_dragged.connect(self._on_light_dragged)
         viewport.light_wheeled.connect(self._on_light_wheeled)
         viewport.manipulator_dragged.connect(self._on_manipulator_dragged)
+        viewport.cursor_dragged.connect(self._on_cursor_dragged)
+        viewport.window_dragged.connect(self._on_window_dragged)
+        viewport.stepped.connect(self._on_stepped)
         viewport.frame_drawn.connect(self._on_frame_drawn)
 
     # ------------------------------------------------------------------ gestures
@@ -183,6 +192,7 @@ class ViewController(QObject):
             self._show_changes(old, new)
         technique = current_technique(new.scene, self._view)
         self._viewport.light_is_movable = "light" in technique.manipulators
+        self._viewport.shows_slice = faced(new.scene, self._view) is not None
 
     def _show_volume(self, new: LoadedScene) -> None:
         if self.handle is None:
@@ -204,7 +214,8 @@ class ViewController(QObject):
     def _show_changes(self, old: LoadedScene, new: LoadedScene) -> None:
         camera = new.scene.view_at(self._view).camera
         moving = any(viewport.is_moving for viewport in self._viewport.linked)
-        if camera is None:
+        turned = faced(new.scene, self._view) != faced(old.scene, self._view)
+        if camera is None or (turned and self._viewport.shows_slice):
             self._frame(new)
         elif not moving and (
             camera != old.scene.view_at(self._view).camera
@@ -217,12 +228,22 @@ class ViewController(QObject):
             self._apply(lambda: self.handle.show(spec, new.volumes))
 
     def _frame(self, shown: LoadedScene) -> None:
-        """Look at what there is to be seen; the first view does it for all."""
-        if self._view == 0:
-            info, settings = current_technique(shown.scene), current_settings(shown.scene)
-            function = drawn_function(info, settings, shown.transfer_function)
-            size = self._viewport.pixel_size
-            self.show_camera(default_camera(shown.volume, size, transfer_function=function))
+        """Look at what there is to be seen; the first view does it for all that share its camera."""
+        if self._view == 0 or shown.scene.view_at(self._view).own_camera:
+            camera = self.first_camera(shown)
+            if camera is not None:
+                self.show_camera(camera)
+
+    def first_camera(self, shown: LoadedScene) -> Camera | None:
+        """The camera that sees all that is visible, straight where a plane is faced; None without a volume."""
+        if shown.volume is None:
+            return None
+        scene = shown.scene
+        info, settings = current_technique(scene, self._view), current_settings(scene, self._view)
+        return default_camera(
+            shown.volume, self._viewport.pixel_size, facing=faced(scene, self._view),
+            transfer_function=drawn_function(info, settings, shown.transfer_function),
+        )  # fmt: skip
 
     def _apply(self, change: Callable[[], Any]) -> None:
         try:
@@ -240,7 +261,9 @@ class ViewController(QObject):
 
     def _commit(self, camera: Camera) -> None:
         if self._documents.is_current:
-            self._store.update(lambda scene: scene.with_camera(camera), label="Camera", record=False)
+            self._store.update(
+                lambda scene: scene.with_camera(camera, self._view), label="Camera", record=False
+            )
 
     @property
     def _movable(self) -> Volume | None:
@@ -303,6 +326,44 @@ class ViewController(QObject):
         self._store.update(
             lambda scene: replace(scene, light=moved), label=self.tr("Move the light"), gesture=gesture
         )
+
+    # ------------------------------------------------------------------ slices
+
+    def set_cursor_at(self, position: QPointF, gesture: Hashable | None = None) -> None:
+        """Let the cross-hair stand at a place of a faced plane, in pixels of the widget from the upper left."""
+        volume = self._movable
+        if volume is None:
+            return
+        before = cursor_of(self._store.scene, volume)
+        size = (self._viewport.width(), self._viewport.height())
+        place = (position.x(), position.y())
+        point = within(volume, point_on_plane(self._viewport.view_camera, place, size, before))
+        self._move_cursor(point, gesture)
+
+    def _on_cursor_dragged(self, position: QPointF) -> None:
+        self.set_cursor_at(position, self._viewport.drag_key)
+
+    def _on_stepped(self, notches: float) -> None:
+        volume = self._movable
+        if volume is not None:
+            before = cursor_of(self._store.scene, volume)
+            direction = self._viewport.view_camera.direction
+            self._move_cursor(stepped(volume, before, direction, notches), self._viewport.wheel_key)
+
+    def _move_cursor(self, point: tuple[float, float, float], gesture: Hashable | None) -> None:
+        self._store.update(
+            lambda scene: replace(scene, cursor=point), label=self.tr("Move the cross-hair"), gesture=gesture
+        )
+
+    def _on_window_dragged(self, right: float, up: float) -> None:
+        """Wider to the right; upwards darker, as level goes up."""
+        volume = self._movable
+        if volume is not None:
+            self._store.update(
+                lambda scene: with_window_moved(scene, volume, self._view, right, up),
+                label=self.tr("Change the grey window"),
+                gesture=self._viewport.drag_key,
+            )
 
     # ------------------------------------------------------------------ errors, end
 

@@ -21,6 +21,7 @@ from volviz_ui.views.annotations import background_image
 from volviz_ui.views.difference_image import Bytes, over
 from volviz_ui.views.view_layout import ViewLayout
 from volviz_ui.views.view_widget import ViewWidget
+from volviz_ui.views.viewport import Viewport
 
 
 class ViewGrid(QWidget):
@@ -100,19 +101,17 @@ class ViewGrid(QWidget):
     def _add_view_widget(self) -> ViewWidget:
         view_widget = ViewWidget(self, self._store, self._documents, len(self.view_widgets))
         viewport, controller = view_widget.viewport, view_widget.controller
-        if self.view_widgets:
-            viewport.link_camera(self.first.viewport)
         self.view_widgets.append(view_widget)
         controller.quality = self._quality
         controller.shows_manipulators = self._shows_manipulators
         for name, on in self._shown.items():
-            view_widget.annotations.show(name, on)
+            view_widget.show_annotations(name, on)
         view_widget.ray_mark.show(self._ray_mark)
         viewport.camera_moved.connect(self._on_camera_moved)
         viewport.pressed.connect(lambda: self._on_pressed(view_widget))
         viewport.pointer_moved.connect(lambda position: self.pointer_moved.emit(view_widget.view, position))
         viewport.pointer_left.connect(self.pointer_left)
-        viewport.clicked.connect(lambda position: self.clicked.emit(view_widget.view, position))
+        viewport.clicked.connect(lambda position: self._on_clicked(view_widget, position))
         viewport.frame_drawn.connect(self.drawn)
         viewport.double_clicked.connect(lambda position: self.double_clicked.emit(view_widget.view, position))
         viewport.function_drag_started.connect(self.function_drag_started)
@@ -137,11 +136,21 @@ class ViewGrid(QWidget):
                 QTimer.singleShot(0, self, partial(self._commit_camera, view_widget.viewport.view_camera))
             view_widget.remove()
         new = [self._add_view_widget() for _ in range(count - len(self.view_widgets))]
+        self._link_cameras(shown.scene)
         self.place()
         for view_widget in new:
             view_widget.show_change(LoadedScene(), shown)
         self._show_active(shown.scene)
         return new
+
+    def _link_cameras(self, scene: Scene) -> None:
+        """Let the views look through one camera, but for those that have their own."""
+        for view_widget, view in zip(self.view_widgets[1:], scene.views[1:], strict=False):
+            viewport, leader = view_widget.viewport, self.first.viewport
+            if view.own_camera or scene.views[0].own_camera:
+                viewport.unlink_camera()
+            elif viewport not in leader.linked:
+                viewport.link_camera(leader)
 
     def _commit_camera(self, camera: Camera) -> None:
         if not self._closed and self._documents.is_current:
@@ -152,7 +161,7 @@ class ViewGrid(QWidget):
     def place(self) -> None:
         """Lay the views out."""
         scene = self._documents.shown.scene
-        self.arrangement.arrange(self.view_widgets, scene.active_index, scene.comparison)
+        self.arrangement.arrange(self.view_widgets, scene.active_index, scene.comparison, scene.layout)
         self.laid_out.emit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -183,6 +192,11 @@ class ViewGrid(QWidget):
         # while images blink nobody can choose which one to hit
         if self._store.scene.comparison.mode not in ("blink", "difference"):
             self.activate(view_widget.view)
+
+    def _on_clicked(self, view_widget: ViewWidget, position: QPointF) -> None:
+        if view_widget.viewport.shows_slice:
+            view_widget.controller.set_cursor_at(position)
+        self.clicked.emit(view_widget.view, position)
 
     def _on_divider_moved(self, share: float) -> None:
         self._store.update(partial(with_comparison, divider=share), record=False)
@@ -248,10 +262,14 @@ class ViewGrid(QWidget):
 
     def _on_camera_moved(self) -> None:
         # the hidden one of a blinking pair is drawn when it is shown, or when the drag is over
+        moved = self.sender()
+        if not isinstance(moved, Viewport):
+            return
         follows_unseen = self.arrangement.difference.isVisible()
         for view_widget in self.view_widgets:
             unseen = view_widget.viewport.is_covered and not follows_unseen
-            if view_widget.viewport is not self.sender() and not unseen:
+            follows = view_widget.viewport in moved.linked and view_widget.viewport is not moved
+            if follows and not unseen:
                 view_widget.viewport.render()
 
     # ------------------------------------------------------------------ from the scene to the images
@@ -261,12 +279,14 @@ class ViewGrid(QWidget):
         made: list[ViewWidget] = []
         if len(new.views) != len(self.view_widgets):
             made = self._sync(after)
+        elif [view.own_camera for view in old.views] != [view.own_camera for view in new.views]:
+            self._link_cameras(new)
         for view_widget in self.view_widgets:
             if view_widget not in made:
                 view_widget.show_change(before, after)
         if old.active_index != new.active_index:
             self._show_active(new)
-        if (old.active_index, old.comparison) != (new.active_index, new.comparison):
+        if (old.active_index, old.comparison, old.layout) != (new.active_index, new.comparison, new.layout):
             self.place()
         if old.pair != new.pair:
             # nothing is drawn anew where both images are there already
@@ -304,10 +324,10 @@ class ViewGrid(QWidget):
         return frozenset(names | {"handles"} if self._shows_manipulators else names)
 
     def show_annotations(self, name: str, on: bool) -> None:
-        """Switch box, axes, orientation marker or colour bar in all views."""
+        """Switch box, axes, orientation marker, colour bar or cross-hair in all views."""
         self._shown[name] = on
         for view_widget in self.view_widgets:
-            view_widget.annotations.show(name, on)
+            view_widget.show_annotations(name, on)
 
     def show_ray_mark(self, place: tuple[float, float] | None) -> None:
         """Mark the pixel of the ray inspector in all views; fractions from the lower left, None for none."""

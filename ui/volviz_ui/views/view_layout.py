@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from PySide6.QtCore import QEvent, QObject, QRect, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
 from volviz.model.comparison import Comparison
+from volviz.model.scene import Layout
 from volviz_ui.views.difference_view import DifferenceView
 from volviz_ui.views.divider import Divider
 from volviz_ui.views.header import HEIGHT as HEADER
@@ -65,7 +68,9 @@ class ViewLayout(QObject):
         """Whether images are being exchanged."""
         return self._blink.isActive()
 
-    def arrange(self, view_widgets: list[ViewWidget], active: int, comparison: Comparison) -> None:
+    def arrange(
+        self, view_widgets: list[ViewWidget], active: int, comparison: Comparison, layout: Layout = "grid"
+    ) -> None:
         """Lay out view widgets; `active` is the number of the active one."""
         former = (self.pair, self._comparison.mode)
         self._view_widgets, self._comparison = view_widgets, comparison
@@ -88,6 +93,8 @@ class ViewLayout(QObject):
             view_widgets[0].place(self._area.rect())
         elif mode:
             self._place_overlaid(mode, active)
+        elif layout == "large":
+            self._place_beside_large()
         else:
             self._place_side_by_side()
         self._update_blink()
@@ -105,6 +112,18 @@ class ViewLayout(QObject):
             top = number // 2 * (area.height() - height)
             view_widget.header.setGeometry(left, top, width, HEADER)
             view_widget.place(QRect(left, top + HEADER, width, height - HEADER), border=BORDER)
+
+    def _place_beside_large(self) -> None:
+        """The first view large, the others one below the other at its right."""
+        area, (large, *others) = self._area, self._view_widgets
+        width = max(area.width() // 3, 120)
+        left = area.width() - width
+        cells = [QRect(0, 0, left - GAP, area.height())]
+        edges = [round(n * (area.height() + GAP) / len(others)) for n in range(len(others) + 1)]
+        cells += [QRect(left, top, width, bottom - GAP - top) for top, bottom in pairwise(edges)]
+        for view_widget, cell in zip((large, *others), cells, strict=True):
+            view_widget.header.setGeometry(cell.left(), cell.top(), cell.width(), HEADER)
+            view_widget.place(cell.adjusted(0, HEADER, 0, 0), border=BORDER)
 
     def _place_overlaid(self, mode: str, active: int) -> None:
         pair = self.pair

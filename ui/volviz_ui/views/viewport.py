@@ -31,6 +31,8 @@ class Drag(Enum):
     LIGHT = "light"
     HANDLE = "handle"
     FUNCTION = "function"
+    CURSOR = "cursor"
+    WINDOW = "window"
 
 
 class Viewport(QtInteractor):
@@ -63,6 +65,12 @@ class Viewport(QtInteractor):
     """How far right and up the drag has gone, in fractions of the viewport's size."""
     function_drag_ended = Signal(bool)
     """Whether Escape has cancelled it."""
+    cursor_dragged = Signal(QPointF)
+    """Where on a slice the cross-hair is to stand."""
+    window_dragged = Signal(float, float)
+    """How far right and up the grey window of slices was dragged since the last time, in fractions of the viewport."""
+    stepped = Signal(float)
+    """Through how many slices the wheel has turned, away from the viewer."""
     pointer_moved = Signal(QPointF)
     clicked = Signal(QPointF)
     """The left button was pressed and let go without a move between."""
@@ -82,6 +90,8 @@ class Viewport(QtInteractor):
         self.setAccessibleName(self.tr("Picture of the volume"))
         self.iren.interactor.SetInteractorStyle(None)
         self.light_is_movable = False
+        self.shows_slice = False
+        """Whether a plane is faced here: drags move cross-hair and window, the wheel goes through the slices."""
         self.linked: list[Viewport] = [self]
         self._own_camera = self.renderer.camera
         self.manipulators: Manipulators | None = None
@@ -253,6 +263,10 @@ class Viewport(QtInteractor):
         elif self._drag is Drag.HANDLE:
             if self.manipulators is not None:
                 self.manipulator_dragged.emit(self.manipulators.drag(*self._pixel(event.position())))
+        elif self._drag is Drag.CURSOR:
+            self.cursor_dragged.emit(event.position())
+        elif self._drag is Drag.WINDOW:
+            self.window_dragged.emit(dx / max(self.width(), 1), -dy / max(self.height(), 1))
         elif self._drag is Drag.FUNCTION:
             way = event.position() - self._start
             self.function_dragged.emit(way.x() / max(self.width(), 1), -way.y() / max(self.height(), 1))
@@ -262,18 +276,20 @@ class Viewport(QtInteractor):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The drag is over when the last button is up."""
         if event.buttons() == Qt.MouseButton.NoButton:
-            is_click = self._drag is Drag.ROTATE and not self.is_moving
+            is_click = self._drag in {Drag.ROTATE, Drag.CURSOR} and not self.is_moving
             self._end_drag(cancelled=False)
             if is_click:
                 self.clicked.emit(event.position())
         event.accept()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom; with Ctrl the light comes nearer or goes away."""
+        """Zoom; with Ctrl the light comes nearer or goes away. Through slices, which zoom with Ctrl."""
         notches = event.angleDelta().y() / 120
         if notches:
             self._begin_wheel()
-            if event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
+            if self.shows_slice and not event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+                self.stepped.emit(notches)
+            elif event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
                 self.light_wheeled.emit(WHEEL_STEP**notches)
             else:
                 self._move_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
@@ -351,6 +367,8 @@ class Viewport(QtInteractor):
     # ------------------------------------------------------------------ meaning of a drag
 
     def _meaning(self, event: QMouseEvent) -> Drag:
+        if self.shows_slice:
+            return self._meaning_on_slice(event)
         if event.button() == Qt.MouseButton.RightButton:
             return Drag.LIGHT if self.light_is_movable else Drag.ZOOM
         if event.button() == Qt.MouseButton.MiddleButton:
@@ -361,6 +379,16 @@ class Viewport(QtInteractor):
         if plain and self.manipulators is not None and self.manipulators.grab(*self._pixel(event.position())):
             return Drag.HANDLE
         return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.ROTATE
+
+    @staticmethod
+    def _meaning_on_slice(event: QMouseEvent) -> Drag:
+        if event.button() == Qt.MouseButton.RightButton:
+            return Drag.WINDOW
+        if event.button() == Qt.MouseButton.MiddleButton:
+            return Drag.PAN
+        if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            return Drag.ZOOM
+        return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.CURSOR
 
     @property
     def _is_dragging(self) -> bool:

@@ -11,11 +11,18 @@ uniform float u_table_row;                 // height of a row: the table goes on
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / length to which opacities of the table belong, per world unit
 
+// Where the table lies: in a texture of its own, or in one with those of other layers.
+#ifndef TABLE
+#define TABLE t_table
+#define TABLE_ROW 0.5
+#define TABLE_BASE 0.0
+#endif
+
 #if TABLE_FOLDED
-// An entry of the table, from 0.
+// An entry of a table that takes several rows, from 0.
 vec4 table_entry(float i) {
     float position = (i + 0.5) * u_table_entry;
-    return textureLod(t_table, vec2(fract(position), (floor(position) + 0.5) * u_table_row), 0.0);
+    return textureLod(TABLE, vec2(fract(position), (TABLE_BASE + floor(position) + 0.5) * u_table_row), 0.0);
 }
 #endif
 
@@ -27,8 +34,8 @@ vec4 curve_color(float s) {
 #if TABLE_FOLDED
     vec4 c = mix(table_entry(i), table_entry(i + 1.0), x - i);
 #else
-    vec2 entry = vec2((i + 0.5) * u_table_entry, 0.5);
-    vec4 c = mix(textureLod(t_table, entry, 0.0), textureLod(t_table, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
+    vec2 entry = vec2((i + 0.5) * u_table_entry, TABLE_ROW);
+    vec4 c = mix(textureLod(TABLE, entry, 0.0), textureLod(TABLE, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
 #endif
     return s < u_density_threshold ? vec4(0.0) : c;
 }

@@ -22,7 +22,7 @@ from volviz.kernels.bricks import (
     visible_prefix,
 )
 from volviz.model.transfer.function import MAX_TABLE, TransferFunction
-from volviz.model.transfer.tables import Table, baked, plane_ranges, table_entries
+from volviz.model.transfer.tables import Table, baked, plane_ranges, rows_of, table_entries
 from volviz.tasks import LatestResult, Tasks
 from volviz.volume_data.scalars import (
     BRICK,
@@ -48,6 +48,14 @@ PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
 
 
+class ScalarPack(Protocol):
+    """Scalars of several volumes in one texture."""
+
+    @property
+    def texture(self) -> Any:
+        """Where they are, one component each."""
+
+
 class SampledFrame(Protocol):
     """What of a `volviz.custom_gl.technique.Frame` decides which textures its rays need."""
 
@@ -66,6 +74,15 @@ class SampledFrame(Protocol):
 class VolumeResources:
     """Textures of a volume, made when first needed and keyed by the identity of what they come from.
 
+    Parameters
+    ----------
+    gpu : Gpu
+        Where they are.
+    volume : Volume
+        What they show.
+    pack : ScalarPack, optional
+        Holds the scalars together with those of other volumes of the lattice; there is one level of detail then.
+
     Attributes
     ----------
     scalars : moderngl.Texture3D
@@ -74,12 +91,13 @@ class VolumeResources:
         Mapping of texels to fractions of the data range and of voxels to texture coordinates.
     """
 
-    def __init__(self, gpu: Gpu, volume: Volume) -> None:
+    def __init__(self, gpu: Gpu, volume: Volume, pack: ScalarPack | None = None) -> None:
         self.gpu = gpu
         self.volume = volume
         self.texels: TextureData = texture_data_of(volume, *texel_limits(gpu, volume))
         self._uploaded = 0
-        self.scalars = self._empty_scalars(self.texels)
+        self._pack = pack
+        self.scalars = self._empty_scalars(self.texels) if pack is None else pack.texture
         self._levels: dict[int, tuple[TextureData, Any]] = {0: (self.texels, self.scalars)}
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
@@ -89,23 +107,12 @@ class VolumeResources:
     # ------------------------------------------------------------------ scalars
 
     def _empty_scalars(self, texels: TextureData) -> Any:
-        z, y, x = texels.data.shape
-        dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
-        texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
-        if self.gpu.gl.error == "GL_OUT_OF_MEMORY":
-            texture.release()
-            raise RenderError(
-                f"{self.volume.name}: the graphics memory has no room for {texels.data.nbytes / 2**20:.0f} MB; set "
-                "VOLVIZ_TEXTURE_MB to less, and the volume is drawn coarser."
-            )
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
-        return texture
+        return empty_scalars(self.gpu, texels, 1, self.volume.name)
 
     @property
     def complete(self) -> bool:
         """Whether all scalars are on the GPU."""
-        return self._uploaded >= len(self._levels[0][0].data)
+        return self._pack is not None or self._uploaded >= len(self._levels[0][0].data)
 
     def upload(self, max_bytes: int | None = None) -> bool:
         """Upload further slabs of scalars, at least one; True when all are there.
@@ -136,6 +143,8 @@ class VolumeResources:
     @property
     def coarsest(self) -> int:
         """Number of the coarsest level of detail."""
+        if self._pack is not None:
+            return 0
         return len(levels_of(self.volume, *texel_limits(self.gpu, self.volume))) - 1
 
     def select(self, level: int) -> None:
@@ -204,7 +213,7 @@ class VolumeResources:
 
     def folds_table(self, function: TransferFunction) -> bool:
         """Whether the table of a function takes several rows of its texture."""
-        return function.by_gradient is None and Table.is_folded(table_entries(function, self.volume)[0])
+        return function.by_gradient is None and rows_of(table_entries(function, self.volume)[0]) > 1
 
     def table_uniforms(self, transfer_function: TransferFunction, *, interactive: bool) -> dict[str, Any]:
         """Uniforms of ``glsl/classification.glsl`` that say where a value and a gradient lie in the table."""
@@ -214,8 +223,8 @@ class VolumeResources:
             return {
                 "u_table_map": self._lookup(data_range),
                 "u_table_last": float(columns - 1),
-                "u_table_entry": 1.0 / (MAX_TABLE if Table.is_folded(columns) else columns),
-                "u_table_row": 1.0 / -(-columns // MAX_TABLE),
+                "u_table_entry": 1.0 / min(columns, MAX_TABLE),
+                "u_table_row": 1.0 / rows_of(columns),
             }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
         low, high = self.volume.bulk_range
@@ -313,6 +322,10 @@ class VolumeResources:
         return self._cached(self._distances, slot, key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
+        return distance_texture(self.gpu, self.distance_codes(occupied))
+
+    def distance_codes(self, occupied: Any) -> npt.NDArray[np.float32]:
+        """The field of empty space as ``glsl/empty_space.glsl`` reads it, shape (b_z, b_y, b_x)."""
         coarse = max(self.texels.factor)
         if coarse > 1:
             # texels of a reduced volume mix voxels from farther away than the bricks' own margin
@@ -320,13 +333,7 @@ class VolumeResources:
         empty = np.minimum(chessboard_distance(occupied), 127)
         visible = np.minimum(chessboard_distance(~occupied), 128) + 127
         # as floats: they need no unpacking where OpenGL is computed in software
-        distance = np.where(occupied, visible, empty).astype(np.float32)
-        z, y, x = distance.shape
-        texture = self.gpu.gl.texture3d((x, y, z), 1, distance.tobytes(), alignment=1, dtype="f4")
-        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
-        self.gpu.uploads += 1
-        return texture
+        return np.where(occupied, visible, empty).astype(np.float32)
 
     @property
     def gradient_scale(self) -> float:
@@ -403,14 +410,41 @@ class VolumeResources:
         return texture
 
     def release(self) -> None:
-        """Release all textures; the context must be current."""
+        """Release all textures but those of a pack; the context must be current."""
         for _, texture in self._levels.values():
-            texture.release()
+            if self._pack is None:
+                texture.release()
         self._levels.clear()
         for cache in (self._tables, self._distances):
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def empty_scalars(gpu: Gpu, texels: TextureData, components: int, name: str) -> Any:
+    """A texture for scalars of so many volumes, to be filled."""
+    z, y, x = texels.data.shape
+    dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
+    texture = gpu.gl.texture3d((x, y, z), components, dtype=dtype, alignment=1)
+    if gpu.gl.error == "GL_OUT_OF_MEMORY":
+        texture.release()
+        raise RenderError(
+            f"{name}: the graphics memory has no room for {components * texels.data.nbytes / 2**20:.0f} MB; set "
+            "VOLVIZ_TEXTURE_MB to less, and the volume is drawn coarser."
+        )
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    return texture
+
+
+def distance_texture(gpu: Gpu, codes: npt.NDArray[np.float32]) -> Any:
+    """A field of empty space as a texture."""
+    z, y, x = codes.shape
+    texture = gpu.gl.texture3d((x, y, z), 1, codes.tobytes(), alignment=1, dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    gpu.uploads += 1
+    return texture
 
 
 def _bricks_of_differences(frame: SampledFrame) -> int:

@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from volviz.custom_gl.arguments import changed_spec
 from volviz.custom_gl.picking import Picked, Sight, first_visible
-from volviz.custom_gl.resolve import Volumes, resolve
+from volviz.custom_gl.resolve import ResolvedSpec, Volumes, resolve
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.vtk.frame_scheduling import FrameScheduler, Quality
 from volviz.custom_gl.vtk.manipulators import Manipulators
+from volviz.custom_gl.vtk.plotter_scale import Scale, scale_of, stretched
 from volviz.custom_gl.vtk.view_renderer import ViewRenderer, view_renderers_of
 from volviz.errors import SettingError
 from volviz.model.clipping import Clipping
@@ -40,10 +41,21 @@ class VolumeHandle(ViewRenderer):
     def __init__(
         self, plotter: Any, spec: RenderSpec, volumes: Volumes | None, scheduler: FrameScheduler | None
     ) -> None:
-        super().__init__(plotter.renderer, plotter.render_window, resolve(spec, volumes), scheduler)
+        self._scale = scale_of(plotter.renderer)
+        shown = self._resolved(spec, volumes)
+        super().__init__(plotter.renderer, plotter.render_window, shown, scheduler)
         self.plotter = plotter
         self._volumes = volumes
         self.manipulators: Manipulators | None = None
+
+    def _resolved(self, spec: RenderSpec, volumes: Volumes | None) -> ResolvedSpec:
+        return replace(resolve(stretched(spec, self._scale), volumes), spec=spec)
+
+    def stretch(self, scale: Scale) -> None:
+        """Stretch the volume along x, y, z, as `Plotter.set_scale` does with actors."""
+        if scale != self._scale:
+            self._scale = scale
+            self._show_instead(self._resolved(self.spec, self._volumes).keeping(self._shown))
 
     # ------------------------------------------------------------------ values
 
@@ -54,7 +66,7 @@ class VolumeHandle(ViewRenderer):
 
     @property
     def volume(self) -> Volume:
-        """The data shown."""
+        """The data shown, where `Plotter.set_scale` has put them."""
         return self._shown.volume
 
     @property
@@ -142,8 +154,8 @@ class VolumeHandle(ViewRenderer):
         VolvizError
             A value does not fit; nothing is changed then.
         """
-        shown = resolve(spec, self._volumes if volumes is None else volumes)
-        if self.error is None and spec == self._shown.spec and shown.volume is self._shown.volume:
+        shown = self._resolved(spec, self._volumes if volumes is None else volumes)
+        if self.error is None and spec == self._shown.spec and shown.volumes == self._shown.volumes:
             return
         self._volumes = volumes or self._volumes
         self._show_instead(shown.keeping(self._shown))
@@ -201,20 +213,22 @@ class VolumeHandle(ViewRenderer):
         Returns
         -------
         Picked or None
-            World position, voxel, value and (for surfaces) isovalue; None where nothing of the volume is seen.
+            World position, voxel, value and (for surfaces) isovalue; None where nothing of the volume is seen. Of
+            several layers, the one that alone would be seen nearest.
         """
         camera, (width, height, _, _) = self.view.camera(), self.view.rectangle()
-        sight = Sight(
-            self._shown.volume,
-            self._shown.drawn_function,
-            self._shown.settings,
-            self._shown.common,
-            pixel_ray(camera.view, camera.projection, (width, height), (x, y)),
-            self._shown.crop,
-            self._shown.clipping.planes,
-            self._shown.isovalues,
-        )
-        return (self._shown.info.pick or first_visible)(sight)
+        ray = pixel_ray(camera.view, camera.projection, (width, height), (x, y))
+        shown = self._shown
+        found = []
+        for volume, function in shown.seen:
+            crop = shown.crop if shown.is_one_lattice else Clipping().crop_within(volume.dimensions)
+            sight = Sight(
+                volume, function, shown.settings, shown.common, ray, crop, shown.drawn_planes, shown.isovalues
+            )
+            picked = (shown.info.pick or first_visible)(sight)
+            if picked is not None:
+                found.append(picked)
+        return min(found, key=lambda picked: np.linalg.norm(picked.position - ray.start), default=None)
 
     def show_manipulators(self, on: bool = True, *, listens: bool = True) -> None:
         """Show what can be dragged: the light and the cut plane, where the technique has them.

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.layer_resources import LayerResources
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.tasks import Done, LatestResult, Tasks
@@ -34,7 +35,7 @@ class WindowGpu:
         self.window = window
         self.users = 0
         self._gpu: Gpu | None = None
-        self._volumes: dict[int, tuple[VolumeResources, int]] = {}
+        self._volumes: dict[tuple[int, ...], tuple[VolumeResources | LayerResources, int]] = {}
 
     @property
     def gpu(self) -> Gpu:
@@ -54,21 +55,25 @@ class WindowGpu:
         """Whether anything was put on the GPU."""
         return self._gpu is not None
 
-    def resources(self, volume: Volume) -> VolumeResources:
-        """Textures of a volume; every caller returns them by `drop` once."""
-        held = self._volumes.get(id(volume))
+    def resources(self, volumes: Sequence[Volume]) -> VolumeResources | LayerResources:
+        """Textures of a volume, or of several that are drawn together; every caller returns them by `drop` once."""
+        key = tuple(id(volume) for volume in volumes)
+        held = self._volumes.get(key)
         if held is None:
-            held = (VolumeResources(self.gpu, volume), 0)
-        self._volumes[id(volume)] = (held[0], held[1] + 1)
+            one = len(volumes) == 1
+            made = VolumeResources(self.gpu, volumes[0]) if one else LayerResources(self.gpu, volumes)
+            held = (made, 0)
+        self._volumes[key] = (held[0], held[1] + 1)
         return held[0]
 
-    def drop(self, resources: VolumeResources) -> None:
+    def drop(self, volumes: Sequence[Volume]) -> None:
         """Give textures back; those that nobody uses any more are released."""
-        held, users = self._volumes[id(resources.volume)]
+        key = tuple(id(volume) for volume in volumes)
+        held, users = self._volumes[key]
         if users > 1:
-            self._volumes[id(resources.volume)] = (held, users - 1)
+            self._volumes[key] = (held, users - 1)
         else:
-            del self._volumes[id(resources.volume)]
+            del self._volumes[key]
             held.release()
 
     @contextmanager
@@ -140,10 +145,11 @@ class NoTextures:
 
 
 NO_TEXTURES = NoTextures()
+Textures = VolumeResources | LayerResources | NoTextures
 
 
 class VolumeTextures:
-    """Holds the textures of one volume at a time.
+    """Holds the textures of what is shown: of one volume, or of several layers.
 
     Parameters
     ----------
@@ -162,35 +168,36 @@ class VolumeTextures:
         self._window_gpu = window_gpu
         self.tasks = Tasks(on_task)
         self._prepared: LatestResult[Any, bool] = LatestResult("scalars", cancels=False)
-        self._held: VolumeResources | None = None
+        self._held: VolumeResources | LayerResources | None = None
+        self._volumes: tuple[Volume, ...] = ()
 
     def are_made(self, shown: ResolvedSpec) -> bool:
         """Whether there are textures for what is shown, or none are needed."""
         if not shown.info.uses_textures:
             return True
-        return self._held is not None and self._held.volume is shown.volume
+        return self._held is not None and self._volumes == shown.volumes
 
     def can_be_made(self, shown: ResolvedSpec) -> bool:
         """Whether they can be made without computing texels here first; if not, a task begins to compute them."""
         if self.are_made(shown):
             return True
-        volume, limits = shown.volume, texel_limits(self._window_gpu.gpu, shown.volume)
-        if is_prepared(volume, *limits):
+        limits = tuple((volume, *texel_limits(self._window_gpu.gpu, volume)) for volume in shown.volumes)
+        if all(is_prepared(*each) for each in limits):
             return True
         ready = self._prepared.get(
-            self.tasks, (volume, limits), lambda _progress, _cancel: prepare(volume, *limits)
+            self.tasks, limits, lambda _progress, _cancel: all(prepare(*each) for each in limits)
         )
         return ready is not None
 
-    def of(self, shown: ResolvedSpec) -> VolumeResources | NoTextures:
-        """The textures of what is shown, made if need be; those of another volume are given back."""
+    def of(self, shown: ResolvedSpec) -> Textures:
+        """The textures of what is shown, made if need be; those of other volumes are given back."""
         needed = shown.info.uses_textures
-        if self._held is not None and (self._held.volume is not shown.volume or not needed):
+        if self._held is not None and (self._volumes != shown.volumes or not needed):
             self.release()
         if not needed:
             return NO_TEXTURES
         if self._held is None:
-            self._held = self._window_gpu.resources(shown.volume)
+            self._held, self._volumes = self._window_gpu.resources(shown.volumes), shown.volumes
         return self._held
 
     def upload(self, shown: ResolvedSpec, budget: float) -> bool:
@@ -223,5 +230,5 @@ class VolumeTextures:
     def release(self) -> None:
         """Give them back; the context is current."""
         if self._held is not None:
-            self._window_gpu.drop(self._held)
-            self._held = None
+            self._window_gpu.drop(self._volumes)
+            self._held, self._volumes = None, ()

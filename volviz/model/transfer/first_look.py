@@ -40,6 +40,12 @@ def robust_range(volume: Volume) -> tuple[float, float]:
     return without_outliers(values) if len(values) else volume.data_range
 
 
+def automatic_window(volume: Volume) -> tuple[float, float]:
+    """The values that are shown black and white when nothing is said: the robust range, never empty."""
+    low, high = robust_range(volume)
+    return (low, high) if high > low else (low - 0.5, low + 0.5)
+
+
 def without_outliers(values: Floats) -> tuple[float, float]:
     """Range of values without rare extremes: the quantiles 0.001 and 0.999.
 

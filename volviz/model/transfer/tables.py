@@ -43,14 +43,9 @@ class Table:
         return self.texels[..., 3]
 
     @staticmethod
-    def is_folded(entries: int) -> bool:
-        """Whether a table of so many entries over the value is too long for one row of a texture."""
-        return entries > MAX_TABLE
-
-    @staticmethod
     def folded(texels: Floats) -> Floats:
         """Texels as a texture takes them: what is too long for one row goes on in the next ones."""
-        if len(texels) > 1 or not Table.is_folded(texels.shape[1]):
+        if len(texels) > 1 or rows_of(texels.shape[1]) == 1:
             return texels
         entries = texels[0]
         missing = -len(entries) % MAX_TABLE
@@ -65,6 +60,11 @@ class Table:
         if self.gradients is not None:
             texels[..., :3] *= np.divide(after, before, out=np.zeros_like(after), where=before > 0)[..., None]
         return texels
+
+
+def rows_of(entries: int) -> int:
+    """Rows of a texture that a table of so many entries over the value takes."""
+    return -(-entries // MAX_TABLE)
 
 
 def baked(function: TransferFunction, volume: Volume, *, interactive: bool = False) -> Table:

@@ -1,0 +1,185 @@
+"""Slices beside the volume: cameras of their own, one cross-hair, the grey window, what undo and sessions keep."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from tests.ui.conftest import drag, image, is_complete, turn_wheel
+from volviz.custom_gl.scene_techniques import current_settings, faced, slice_technique
+from volviz.model.session import load_session, save_session
+from volviz_ui.app.main_window import MainWindow
+from volviz_ui.session.script import script_of
+from volviz_ui.views.cross_hair import direction_words, edge_letters, plane_lines
+from volviz_ui.views.viewport import Viewport
+
+Wait = Callable[..., None]
+
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow, wait_for: Wait) -> MainWindow:
+    """With the slices beside the volume."""
+    same_window.commands["view.slices.grid"].trigger()
+    wait_for(lambda: len(same_window.views.view_widgets) == 4 and is_complete(same_window))
+    return same_window
+
+
+def viewport(window: MainWindow, view: int) -> Viewport:
+    return window.views.view_widgets[view].viewport
+
+
+def pixels(window: MainWindow, view: int) -> np.ndarray:
+    grabbed = viewport(window, view).grabFramebuffer()
+    rows = np.frombuffer(grabbed.constBits(), np.uint8).reshape(grabbed.height(), grabbed.bytesPerLine())
+    return rows[:, : 4 * grabbed.width()].reshape(grabbed.height(), grabbed.width(), 4)[..., :3].astype(float)
+
+
+def test_three_slices_have_cameras_of_their_own_beside_the_volume(window: MainWindow) -> None:
+    scene = window.store.scene
+    assert [current_settings(scene, n).plane for n in (1, 2, 3)] == ["axial", "coronal", "sagittal"]
+    for number, direction in ((1, (0, 0, 1)), (2, (0, 1, 0)), (3, (-1, 0, 0))):
+        camera = viewport(window, number).view_camera
+        assert camera.parallel
+        assert camera.direction == pytest.approx(direction)
+        assert faced(scene, number) is not None
+    before = [viewport(window, number).view_camera for number in range(4)]
+    drag(viewport(window, 0), QPoint(60, 60), QPoint(110, 80))
+    after = [viewport(window, number).view_camera for number in range(4)]
+    assert after[0] != before[0]
+    assert after[1:] == before[1:]
+    # the ball is a light disc on a dark square
+    seen = pixels(window, 1)
+    middle = seen.shape[0] // 2, seen.shape[1] // 2
+    assert seen[middle[0] - 9, middle[1] - 9].mean() > seen[8, middle[1] - 9].mean() + 60
+
+
+def test_a_click_and_a_drag_move_the_cross_hair_in_all_views(window: MainWindow, wait_for: Wait) -> None:
+    volume = window.documents.volume
+    assert volume is not None
+    axial = viewport(window, 1)
+    QTest.mouseClick(axial, Qt.MouseButton.LeftButton, pos=axial.rect().center() + QPoint(20, -10))
+    cursor = window.store.scene.cursor
+    assert cursor is not None
+    per_pixel = 2 * axial.view_camera.scale / axial.height()
+    center = np.asarray(volume.center)
+    # half a pixel: the middle of the widget lies between two
+    assert np.asarray(cursor) == pytest.approx(center + per_pixel * np.array([20, -10, 0]), abs=per_pixel)
+    assert window.store.undo_label is not None
+    undo = window.store.undo_label
+    drag(axial, axial.rect().center(), axial.rect().center() + QPoint(-30, 12))
+    assert window.store.undo_label == undo
+    moved = np.asarray(window.store.scene.cursor)
+    assert moved == pytest.approx(center + per_pixel * np.array([-30, 12, 0]), abs=per_pixel)
+    wait_for(lambda: is_complete(window))
+    # the coronal slice goes through it now
+    spec = window.documents.shown.spec(2)
+    assert spec.settings.point == tuple(moved)
+    window.store.undo()
+    assert window.store.scene.cursor == cursor
+    # beyond the volume it stays within
+    drag(axial, axial.rect().center(), QPoint(2, 2))
+    i = volume.world_to_index[:3, :3] @ np.asarray(window.store.scene.cursor) + volume.world_to_index[:3, 3]
+    assert i.min() >= -1e-9
+
+
+def test_the_wheel_goes_through_the_slices_and_zooms_with_ctrl(window: MainWindow, wait_for: Wait) -> None:
+    volume, sagittal = window.documents.volume, viewport(window, 3)
+    assert volume is not None
+    scale = sagittal.view_camera.scale
+    turn_wheel(sagittal, 3)
+    cursor = window.store.scene.cursor
+    assert cursor is not None
+    # away from the viewer, who stands at the left
+    assert volume.center[0] - cursor[0] == pytest.approx(3 * volume.spacing[0])
+    assert sagittal.view_camera.scale == scale
+    wait_for(lambda: not window.store.is_interacting)
+    turn_wheel(sagittal, 2, Qt.KeyboardModifier.ControlModifier)
+    assert sagittal.view_camera.scale < scale
+    assert window.store.scene.cursor == cursor
+    wait_for(lambda: not window.store.is_interacting)
+    window.commands["view.slices.centre"].trigger()
+    assert window.store.scene.cursor is None
+
+
+def test_the_right_button_changes_the_grey_window_of_all_slices(window: MainWindow, wait_for: Wait) -> None:
+    before = pixels(window, 2)
+    coronal = viewport(window, 1)
+    drag(
+        coronal,
+        coronal.rect().center(),
+        coronal.rect().center() + QPoint(0, -60),
+        button=Qt.MouseButton.RightButton,
+    )
+    settings = [current_settings(window.store.scene, number) for number in (1, 2, 3)]
+    assert len({(s.window_level, s.window_width) for s in settings}) == 1
+    assert settings[0].window_level is not None
+    wait_for(lambda: is_complete(window))
+    assert pixels(window, 2).mean() < before.mean()
+    window.store.undo()
+    assert current_settings(window.store.scene, 2).window_level is None
+
+
+def test_another_plane_is_looked_at_straight(window: MainWindow, wait_for: Wait) -> None:
+    box = window.views.view_widgets[1].header.plane_box
+    assert not window.views.view_widgets[1].header.box.isVisible()
+    box.setCurrentIndex(box.findData("coronal"))
+    box.activated.emit(box.currentIndex())
+    wait_for(lambda: viewport(window, 1).view_camera.direction == pytest.approx((0, 1, 0)))
+    assert window.views.view_widgets[0].header.box.isVisible()
+
+
+def test_lines_show_where_the_planes_meet_and_letters_what_is_where(window: MainWindow) -> None:
+    scene, volume = window.store.scene, window.documents.volume
+    assert volume is not None
+    outlines = plane_lines(scene, volume, 0)
+    assert [len(points) for _, points in outlines] == [5, 5, 5]
+    crossing = plane_lines(scene, volume, 1)
+    assert len(crossing) == 2
+    for _, points in crossing:
+        assert points.mean(axis=0) == pytest.approx(np.asarray(volume.center))
+        assert points[0, 2] == points[1, 2]
+    shown = pixels(window, 1)
+    window.commands["view.cross_hair"].trigger()
+    QTest.qWait(50)
+    assert np.abs(pixels(window, 1) - shown).max() > 60
+    window.commands["view.cross_hair"].trigger()
+    letters = edge_letters((0, 0, -1), (0, -1, 0), is_anatomical=True)
+    assert [words for words, _ in letters] == ["L", "R", "A", "P"]
+    assert direction_words(np.array([0.8, -0.6, 0.0]), is_anatomical=True) == "LA"
+    assert direction_words(np.array([0.0, 0.0, -1.0]), is_anatomical=False) == "−z"
+
+
+def test_a_session_and_a_script_keep_the_slices(window: MainWindow, tmp_path: Path) -> None:
+    window.commands["view.slices.large"].trigger()
+    QTest.mouseClick(viewport(window, 1), Qt.MouseButton.LeftButton, pos=QPoint(60, 50))
+    scene = window.store.scene
+    assert scene.layout == "large"
+    assert scene.cursor is not None
+    assert viewport(window, 0).width() > viewport(window, 1).width()
+    save_session(scene, tmp_path / "a.volviz.json")
+    info = slice_technique()
+    again = load_session(tmp_path / "a.volviz.json", lambda id_: info.settings if id_ == info.id else None)
+    assert again.cursor == scene.cursor
+    assert again.layout == "large"
+    assert [view.own_camera for view in again.views] == [False, True, True, True]
+    assert f"point=({scene.cursor[0]:.6f}, {scene.cursor[1]:.1f}, {scene.cursor[2]:.1f})" in script_of(
+        scene, (300, 200)
+    )
+
+
+def test_the_volume_alone_comes_back(window: MainWindow, wait_for: Wait) -> None:
+    whole = image(window).shape
+    window.commands["view.slices.grid"].trigger()
+    wait_for(lambda: len(window.views.view_widgets) == 1 and is_complete(window))
+    assert image(window).shape[1] > whole[1]
+    window.commands["compare.four_views"].trigger()
+    wait_for(lambda: len(window.views.view_widgets) == 4)
+    assert not any(view.own_camera for view in window.store.scene.views)
+    assert viewport(window, 3).view_camera == viewport(window, 0).view_camera

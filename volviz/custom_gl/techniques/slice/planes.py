@@ -1,0 +1,58 @@
+"""The planes that settings ask for, and what of the volume is seen on them. No OpenGL."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from volviz.model.slice_plane import NAMED_PLANES, SlicePlane, slice_plane
+from volviz.model.transfer.first_look import automatic_window
+from volviz.reference.slices import index_box
+
+if TYPE_CHECKING:
+    from volviz.volume_data.vectors import Vector
+    from volviz.volume_data.volume import Volume
+
+
+def shown_planes(settings: Any, center: Vector) -> tuple[SlicePlane, ...]:
+    """The planes of some `SliceSettings`.
+
+    Raises
+    ------
+    InputError
+        The normal of an oblique plane is zero.
+    """
+    names = tuple(NAMED_PLANES) if settings.plane == "orthogonal" else (settings.plane,)
+    asked = [(settings.normal, upright(settings.normal)) if name == "oblique" else name for name in names]
+    return tuple(slice_plane(plane, settings.point, center) for plane in asked)
+
+
+def upright(normal: Vector) -> Vector:
+    """What is up on a plane of that normal: the head, or the front of the patient where one looks along the body."""
+    x, y, z = normal
+    return (0.0, -1.0, 0.0) if abs(z) > 0.99 * float(np.linalg.norm((x, y, z))) else (0.0, 0.0, 1.0)
+
+
+def facing(settings: Any) -> tuple[Vector, Vector] | None:
+    """Direction towards the viewer and up of a single plane; None where several are seen."""
+    if settings.plane == "orthogonal":
+        return None
+    (plane,) = shown_planes(settings, (0.0, 0.0, 0.0))
+    return plane.normal, plane.up
+
+
+def grey_window(settings: Any, volume: Volume) -> tuple[float, float]:
+    """Values shown black and white, in data units."""
+    low, high = automatic_window(volume)
+    width = settings.window_width or high - low
+    level = (low + high) / 2 if settings.window_level is None else settings.window_level
+    return level - width / 2, level + width / 2
+
+
+def whole_crop(
+    crop: tuple[float, float, float, float, float, float], dimensions: tuple[int, int, int]
+) -> tuple[float, ...]:
+    """A crop box (i0, i1, j0, j1, k0, k1) that shows the first and last voxels whole where it reaches them."""
+    low, high = index_box(dimensions, crop)
+    return tuple(float(v) for v in np.stack([low, high], axis=1).ravel())
