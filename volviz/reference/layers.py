@@ -376,8 +376,13 @@ def _composited(
 ) -> Float64Array:
     count = len(march.starts)
     image = np.zeros((count, 4))
-    # rays begin outside of all labels, so that one that is cut has a face there
+    hits = np.flatnonzero(march.far > march.near)
     before = [np.zeros(count, np.int64) for _ in surfaces]
+    for layer, known in zip(surfaces, before, strict=True):
+        # a label that is cut has a face where the ray begins
+        known[hits] = march.labels(layer, hits, march.near[hits])
+        face = layer.palette[known[hits]]
+        _blend(image, hits, face[:, 3], face[:, :3])
     for segment in march.segments(step, first_sample):
         goes_on = image[segment[0], 3] < early_termination
         rays, begin, piece, at = (part[goes_on] for part in segment)
@@ -422,20 +427,10 @@ def _border(
     `known` holds the label of each ray at the segment's beginning and is brought to its end.
     """
     end = begin + piece
-    # the face of a label that is cut lies where the ray begins
-    first = begin <= march.near[rays]
-    known[rays[first]] = 0
-    start = march.labels(layer, rays[first], begin[first])
     place, surface = np.full(len(rays), np.inf), np.zeros((len(rays), 4))
-    cut = np.flatnonzero(first)[layer.is_shown(start)]
-    place[cut] = begin[cut]
-    surface[cut] = layer.palette[start[layer.is_shown(start)]]
-    known[rays[first]] = start
     after = march.labels(layer, rays, end)
     before = known[rays]
-    met = np.flatnonzero(
-        (after != before) & (layer.is_shown(after) | layer.is_shown(before)) & ~np.isfinite(place)
-    )
+    met = np.flatnonzero((after != before) & (layer.is_shown(after) | layer.is_shown(before)))
     known[rays] = after
     if len(met):
         there = rays[met]

@@ -14,6 +14,8 @@ void layers_begin(float ray_length) {
 #pragma end
 }
 
+bool labels_begin() { return false; }
+
 bool layers_add(float segment_length, bool full_step) {
     if (seen_through_masks() < 0.5) return false;
 #pragma each_layer

@@ -6,6 +6,8 @@ vec4 g_sum;
 
 void layers_begin(float ray_length) { g_sum = vec4(0.0); }
 
+bool labels_begin() { return false; }
+
 bool layers_add(float segment_length, bool full_step) {
     g_sum += joint_matter() * segment_length;
     return false;
