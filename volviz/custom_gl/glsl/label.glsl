@@ -13,7 +13,7 @@ uniform vec3 u_voxels;
 uniform mat3 u_gradient_to_world;
 uniform mat4 u_texture_to_centred;
 
-const int BISECTIONS = 8;
+const int BISECTIONS = 6;
 const float NORMAL_RADIUS = 3.0;
 
 uint g_label;      // where the segment begins
@@ -60,16 +60,13 @@ vec3 indicator_gradient(vec3 p, uint label) {
     vec3 index = p * u_voxels - 0.5;
     ivec3 first = ivec3(floor(index));
     vec3 sum = vec3(0.0);
-    const int REACH = int(NORMAL_RADIUS);
-    for (int k = 1 - REACH; k <= REACH; ++k) {
-        for (int j = 1 - REACH; j <= REACH; ++j) {
-            for (int i = 1 - REACH; i <= REACH; ++i) {
-                ivec3 voxel = first + ivec3(i, j, k);
-                vec3 away = vec3(voxel) - index;
-                float weight = max(1.0 - dot(away, away) / (NORMAL_RADIUS * NORMAL_RADIUS), 0.0);
-                if (label_of_voxel(voxel) == label) sum += weight * away;
-            }
-        }
+    const int EDGE = 2 * int(NORMAL_RADIUS);
+    // one loop, that compilers leave rolled
+    for (int n = 0; n < EDGE * EDGE * EDGE; ++n) {
+        ivec3 voxel = first + ivec3(n % EDGE, n / EDGE % EDGE, n / (EDGE * EDGE)) + (1 - EDGE / 2);
+        vec3 away = vec3(voxel) - index;
+        float weight = 1.0 - dot(away, away) / (NORMAL_RADIUS * NORMAL_RADIUS);
+        if (weight > 0.0 && label_of_voxel(voxel) == label) sum += weight * away;
     }
     return sum;
 }

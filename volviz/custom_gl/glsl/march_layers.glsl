@@ -7,7 +7,7 @@
 //     COMPOSITE_SKIPS       1 when segments without visible samples may be left out
 //     void layers_begin(float ray_length)   world units
 //     bool labels_begin()   faces of labels that are cut where the ray begins; true = the ray can end
-//     bool layers_add(float segment_length, bool full_step)
+//     bool layers_add(float segment_length)
 //                           true = the ray can end; g_at and g_share of each lattice are those of the segment's sample,
 //                           `samples` the scalars there, one for each layer
 //     vec4 layers_end()     premultiplied colour of the ray
@@ -84,10 +84,11 @@ void find_labels(float begin) {
 }
 
 // Samples k in [first, last) lie in bricks in which a layer may be visible; advances `first` over those that do not.
-void next_run(float fraction, float inverse_step, int count, inout int first, out int last) {
+void next_run(float fraction, float inverse_step, float total, int count, inout int first, out int last) {
     last = first;
     while (first < count) {
-        float begin = float(first) * u_step, at = begin + fraction * u_step;
+        float begin = float(first) * u_step;
+        float at = begin + fraction * min(u_step, total - begin);
         float longest = -1e30;
 #pragma each_lattice
         longest = max(longest, stay_in_lattice(at, begin, u_step));
@@ -120,34 +121,27 @@ vec4 march(Ray ray, vec2 pixel) {
     float inverse_step = 1.0 / u_step;
     // a last segment shorter than a thousandth of a step is rounding, not data
     int count = max(int(ceil(total * inverse_step - 1e-3)), 1);
-    if (u_first_sample == 1.0 && total >= (float(count) - 1e-3) * u_step) ++count;
+    // VTK leaves the last segment out when it samples the far ends of steps, unless it is whole
+    bool far_ends = u_first_sample == 1.0 && !u_jitter;
+    if (far_ends && total < (float(count) - 1e-3) * u_step) --count;
     float fraction = u_jitter ? pixel_noise(pixel, u_jitter_seed) : u_first_sample;
-    // the last segment is shorter, and so its sample lies elsewhere
-    int full_steps = count - 1;
     bool done = false;
     int k = 0, follows = 0;
-    while (k < full_steps && !done) {
+    while (k < count && !done) {
+        int last = count;
 #if COMPOSITE_SKIPS
-        int last;
-        next_run(fraction, inverse_step, full_steps, k, last);
-#else
-        int last = full_steps;
+        next_run(fraction, inverse_step, total, count, k, last);
 #endif
         if (k != follows) find_labels(float(k) * u_step);
         while (k < last) {
             float begin = float(k) * u_step;
-            take_samples(begin + fraction * u_step, begin, u_step);
+            // the last segment is shorter, and so its sample lies elsewhere
+            float segment_length = min(u_step, total - begin);
+            take_samples(begin + fraction * segment_length, begin, segment_length);
             ++k;
-            if (layers_add(u_step, true)) { done = true; break; }
+            if (layers_add(segment_length)) { done = true; break; }
         }
         follows = k;
-    }
-    // VTK leaves the last segment out when it samples the far ends of steps
-    if (!done && (u_first_sample < 1.0 || u_jitter)) {
-        float begin = float(full_steps) * u_step, rest = total - begin;
-        if (full_steps != follows) find_labels(begin);
-        take_samples(begin + fraction * rest, begin, rest);
-        layers_add(rest, false);
     }
     return layers_end();
 }

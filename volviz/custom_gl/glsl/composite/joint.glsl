@@ -22,7 +22,7 @@ bool labels_begin() {
     return g_sum.a >= u_early_termination;
 }
 
-bool layers_add(float segment_length, bool full_step) {
+bool layers_add(float segment_length) {
     vec4 matter = joint_matter();
     float passed = 0.0;
 #if LABELS > 0

@@ -8,7 +8,7 @@ void layers_begin(float ray_length) { g_sum = vec4(0.0); }
 
 bool labels_begin() { return false; }
 
-bool layers_add(float segment_length, bool full_step) {
+bool layers_add(float segment_length) {
     g_sum += joint_matter() * segment_length;
     return false;
 }
