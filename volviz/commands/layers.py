@@ -11,18 +11,22 @@ from volviz.commands.inputs import hints_of, source_of
 from volviz.errors import InputError
 
 if TYPE_CHECKING:
-    from volviz.model.layers import ImageLayer
+    from volviz.model.layers import ImageLayer, LabelLayer
     from volviz.model.transfer.function import TransferFunction
     from volviz.volume_data.source import VolumeSource
     from volviz.volume_data.volume import Volume
+
+
+#: Look of a file whose values are labels; files that say so need none.
+LABELS = "labels"
 
 
 def add_layer_option(parser: argparse.ArgumentParser) -> None:
     """``--layer``; ``--channel`` is one of the hints for reading (`volviz.commands.inputs.add_input`)."""
     parser.add_argument(
         "--layer", action="append", default=[], metavar="FILE[:LOOK]", dest="layers",
-        help="draw this file as well, in the same ray integral; a look is a colour, colour map or preset. Can be "
-        "repeated",
+        help="draw this file as well, in the same ray integral; a look is a colour, colour map or preset, or "
+        "\"labels\" for surfaces of labels. Can be repeated",
     )  # fmt: skip
 
 
@@ -38,7 +42,7 @@ def single_channel(options: argparse.Namespace) -> None:
 
 def layers_of_options(
     options: argparse.Namespace, function: Callable[[argparse.Namespace, Volume], TransferFunction | None]
-) -> tuple[ImageLayer, ...]:
+) -> tuple[ImageLayer | LabelLayer, ...]:
     """What FILE, ``--channel`` and ``--layer`` name.
 
     Parameters
@@ -89,14 +93,16 @@ def _channel_layer(source: VolumeSource, number: int, look: str, time: int) -> I
     return ImageLayer(source, function, known.name, channel=number, time=time)
 
 
-def _file_layer(text: str) -> ImageLayer:
-    """A layer of "pet.nii.gz:hot"; the name of a file may have colons of its own."""
+def _file_layer(text: str) -> ImageLayer | LabelLayer:
+    """A layer of "pet.nii.gz:hot" or "seg.nii.gz:labels"; the name of a file may have colons of its own."""
     import volviz.io
     from volviz.model.layer_looks import named_look
-    from volviz.model.layers import ImageLayer
+    from volviz.model.layers import ImageLayer, LabelLayer
 
     path, look = _split(text)
     source = volviz.io.open(path)
+    if look == LABELS or (not look and source.is_labels):
+        return LabelLayer(source)
     return ImageLayer(source, named_look(look, source.read()) if look else None)
 
 

@@ -322,18 +322,7 @@ class VolumeResources:
         return self._cached(self._distances, slot, key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
-        return distance_texture(self.gpu, self.distance_codes(occupied))
-
-    def distance_codes(self, occupied: Any) -> npt.NDArray[np.float32]:
-        """The field of empty space as ``glsl/empty_space.glsl`` reads it, shape (b_z, b_y, b_x)."""
-        coarse = max(self.texels.factor)
-        if coarse > 1:
-            # texels of a reduced volume mix voxels from farther away than the bricks' own margin
-            occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
-        empty = np.minimum(chessboard_distance(occupied), 127)
-        visible = np.minimum(chessboard_distance(~occupied), 128) + 127
-        # as floats: they need no unpacking where OpenGL is computed in software
-        return np.where(occupied, visible, empty).astype(np.float32)
+        return distance_texture(self.gpu, distance_codes(occupied, max(self.texels.factor)))
 
     @property
     def gradient_scale(self) -> float:
@@ -389,14 +378,7 @@ class VolumeResources:
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
-        scale, _ = self.texels.index_to_texture
-        bricks = [-(-n // BRICK) for n in self.volume.dimensions]
-        return {
-            "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
-            "u_brick_offset": (-0.5 / BRICK,) * 3,
-            "u_last_brick": tuple(n - 1.0 for n in bricks),
-            "u_brick_edge": tuple(1.0 / n for n in bricks),
-        }
+        return brick_uniforms(self.texels, self.volume)
 
     def _cached(self, cache: dict[str, tuple[Any, Any]], slot: str, key: Any, make: Any) -> Any:
         """The texture in a slot, remade when the key is another object or value."""
@@ -419,6 +401,37 @@ class VolumeResources:
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def brick_uniforms(texels: TextureData, volume: Volume) -> dict[str, Any]:
+    """Uniforms of ``glsl/empty_space.glsl``."""
+    scale, _ = texels.index_to_texture
+    bricks = [-(-n // BRICK) for n in volume.dimensions]
+    return {
+        "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
+        "u_brick_offset": (-0.5 / BRICK,) * 3,
+        "u_last_brick": tuple(n - 1.0 for n in bricks),
+        "u_brick_edge": tuple(1.0 / n for n in bricks),
+    }
+
+
+def distance_codes(occupied: npt.NDArray[np.bool_], coarse: int = 1) -> npt.NDArray[np.float32]:
+    """A field of empty space as ``glsl/empty_space.glsl`` reads it, shape (b_z, b_y, b_x).
+
+    Parameters
+    ----------
+    occupied : ndarray of shape (b_z, b_y, b_x)
+        Bricks that may be visible.
+    coarse : int
+        Voxels per texel.
+    """
+    if coarse > 1:
+        # texels of a reduced volume mix voxels from farther away than the bricks' own margin
+        occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
+    empty = np.minimum(chessboard_distance(occupied), 127)
+    visible = np.minimum(chessboard_distance(~occupied), 128) + 127
+    # as floats: they need no unpacking where OpenGL is computed in software
+    return np.where(occupied, visible, empty).astype(np.float32)
 
 
 def empty_scalars(gpu: Gpu, texels: TextureData, components: int, name: str) -> Any:
