@@ -13,8 +13,10 @@ if TYPE_CHECKING:
     from volviz.volume_data.volume import Volume
 
 
-def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
-    """FILE and the hints for reading it."""
+def add_input(
+    parser: argparse.ArgumentParser, *, optional: bool = False, several_channels: bool = False
+) -> None:
+    """FILE and the hints for reading it; with several channels each may have a look."""
     parser.add_argument(
         "file", metavar="FILE", nargs="?" if optional else None,
         help="a volume file, a folder of DICOM slices, or sample:NAME",
@@ -26,10 +28,17 @@ def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
     hints.add_argument("--header", type=int, help="bytes before the first raw value")
     hints.add_argument("--spacing", metavar="X,Y,Z", help="distance of voxels, instead of the file's")
     hints.add_argument("--time", type=int, help="time point, from 0")
-    hints.add_argument(
-        "--channel", metavar="CHANNEL", type=_number_or_name, help="channel, from 0, or its name"
-    )
-    hints.add_argument("--series", type=_number_or_name, help="series of a DICOM folder or TIFF file")
+    if several_channels:
+        hints.add_argument(
+            "--channel", action="append", default=[], metavar="CHANNEL[:LOOK]",
+            help="channel, from 0, or its name; with a colour, colour map or preset, or more than once: channels drawn "
+            "together",
+        )  # fmt: skip
+    else:
+        hints.add_argument(
+            "--channel", metavar="CHANNEL", type=number_or_name, help="channel, from 0, or its name"
+        )
+    hints.add_argument("--series", type=number_or_name, help="series of a DICOM folder or TIFF file")
 
 
 def hints_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -81,7 +90,8 @@ def load_input(options: argparse.Namespace) -> Volume:
     return load(source_of(options), **hints_of(options))
 
 
-def _number_or_name(text: str) -> int | str:
+def number_or_name(text: str) -> int | str:
+    """What is all digits is a number, anything else a name."""
     return int(text) if text.isascii() and text.isdigit() else text
 
 

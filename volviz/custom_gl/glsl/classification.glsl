@@ -8,13 +8,19 @@ uniform float u_table_entry;               // width of an entry = 1 / number of 
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / length to which opacities of the table belong, per world unit
 
+// Where the row lies: in a texture of its own, or in one with those of other layers.
+#ifndef TABLE
+#define TABLE t_table
+#define TABLE_ROW 0.5
+#endif
+
 // Straight RGBA of the curve over the value.
 vec4 curve_color(float s) {
     // two fetches and a mix: a linear filter reads four texels of a texture that is one texel high
     float x = clamp(s * u_table_map.x + u_table_map.y, 0.0, 1.0) * u_table_last;
     float i = min(floor(x), u_table_last - 1.0);
-    vec2 entry = vec2((i + 0.5) * u_table_entry, 0.5);
-    vec4 c = mix(textureLod(t_table, entry, 0.0), textureLod(t_table, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
+    vec2 entry = vec2((i + 0.5) * u_table_entry, TABLE_ROW);
+    vec4 c = mix(textureLod(TABLE, entry, 0.0), textureLod(TABLE, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
     return s < u_density_threshold ? vec4(0.0) : c;
 }
 

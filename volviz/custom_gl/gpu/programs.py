@@ -23,7 +23,7 @@ UNITS = {
     "t_preintegrated": 4,
 }
 #: First unit that is free for a technique's own samplers.
-FIRST_FREE_UNIT = 8
+FIRST_FREE_UNIT = 5
 
 
 class Program:

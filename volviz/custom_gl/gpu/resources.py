@@ -48,6 +48,14 @@ PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
 
 
+class ScalarPack(Protocol):
+    """Scalars of several volumes in one texture."""
+
+    @property
+    def texture(self) -> Any:
+        """Where they are, one component each."""
+
+
 class SampledFrame(Protocol):
     """What of a `volviz.custom_gl.technique.Frame` decides which textures its rays need."""
 
@@ -66,6 +74,15 @@ class SampledFrame(Protocol):
 class VolumeResources:
     """Textures of a volume, made when first needed and keyed by the identity of what they come from.
 
+    Parameters
+    ----------
+    gpu : Gpu
+        Where they are.
+    volume : Volume
+        What they show.
+    pack : ScalarPack, optional
+        Holds the scalars together with those of other volumes of the lattice; there is one level of detail then.
+
     Attributes
     ----------
     scalars : moderngl.Texture3D
@@ -74,12 +91,13 @@ class VolumeResources:
         Mapping of texels to fractions of the data range and of voxels to texture coordinates.
     """
 
-    def __init__(self, gpu: Gpu, volume: Volume) -> None:
+    def __init__(self, gpu: Gpu, volume: Volume, pack: ScalarPack | None = None) -> None:
         self.gpu = gpu
         self.volume = volume
         self.texels: TextureData = texture_data_of(volume, *texel_limits(gpu, volume))
         self._uploaded = 0
-        self.scalars = self._empty_scalars(self.texels)
+        self._pack = pack
+        self.scalars = self._empty_scalars(self.texels) if pack is None else pack.texture
         self._levels: dict[int, tuple[TextureData, Any]] = {0: (self.texels, self.scalars)}
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
@@ -89,23 +107,12 @@ class VolumeResources:
     # ------------------------------------------------------------------ scalars
 
     def _empty_scalars(self, texels: TextureData) -> Any:
-        z, y, x = texels.data.shape
-        dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
-        texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
-        if self.gpu.gl.error == "GL_OUT_OF_MEMORY":
-            texture.release()
-            raise RenderError(
-                f"{self.volume.name}: the graphics memory has no room for {texels.data.nbytes / 2**20:.0f} MB; set "
-                "VOLVIZ_TEXTURE_MB to less, and the volume is drawn coarser."
-            )
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
-        return texture
+        return empty_scalars(self.gpu, texels, 1, self.volume.name)
 
     @property
     def complete(self) -> bool:
         """Whether all scalars are on the GPU."""
-        return self._uploaded >= len(self._levels[0][0].data)
+        return self._pack is not None or self._uploaded >= len(self._levels[0][0].data)
 
     def upload(self, max_bytes: int | None = None) -> bool:
         """Upload further slabs of scalars, at least one; True when all are there.
@@ -136,6 +143,8 @@ class VolumeResources:
     @property
     def coarsest(self) -> int:
         """Number of the coarsest level of detail."""
+        if self._pack is not None:
+            return 0
         return len(levels_of(self.volume, *texel_limits(self.gpu, self.volume))) - 1
 
     def select(self, level: int) -> None:
@@ -307,20 +316,7 @@ class VolumeResources:
         return self._cached(self._distances, slot, key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
-        coarse = max(self.texels.factor)
-        if coarse > 1:
-            # texels of a reduced volume mix voxels from farther away than the bricks' own margin
-            occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
-        empty = np.minimum(chessboard_distance(occupied), 127)
-        visible = np.minimum(chessboard_distance(~occupied), 128) + 127
-        # as floats: they need no unpacking where OpenGL is computed in software
-        distance = np.where(occupied, visible, empty).astype(np.float32)
-        z, y, x = distance.shape
-        texture = self.gpu.gl.texture3d((x, y, z), 1, distance.tobytes(), alignment=1, dtype="f4")
-        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
-        self.gpu.uploads += 1
-        return texture
+        return distance_texture(self.gpu, distance_codes(occupied, max(self.texels.factor)))
 
     @property
     def gradient_scale(self) -> float:
@@ -376,14 +372,7 @@ class VolumeResources:
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
-        scale, _ = self.texels.index_to_texture
-        bricks = [-(-n // BRICK) for n in self.volume.dimensions]
-        return {
-            "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
-            "u_brick_offset": (-0.5 / BRICK,) * 3,
-            "u_last_brick": tuple(n - 1.0 for n in bricks),
-            "u_brick_edge": tuple(1.0 / n for n in bricks),
-        }
+        return brick_uniforms(self.texels, self.volume)
 
     def _cached(self, cache: dict[str, tuple[Any, Any]], slot: str, key: Any, make: Any) -> Any:
         """The texture in a slot, remade when the key is another object or value."""
@@ -397,14 +386,72 @@ class VolumeResources:
         return texture
 
     def release(self) -> None:
-        """Release all textures; the context must be current."""
+        """Release all textures but those of a pack; the context must be current."""
         for _, texture in self._levels.values():
-            texture.release()
+            if self._pack is None:
+                texture.release()
         self._levels.clear()
         for cache in (self._tables, self._distances):
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def brick_uniforms(texels: TextureData, volume: Volume) -> dict[str, Any]:
+    """Uniforms of ``glsl/empty_space.glsl``."""
+    scale, _ = texels.index_to_texture
+    bricks = [-(-n // BRICK) for n in volume.dimensions]
+    return {
+        "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
+        "u_brick_offset": (-0.5 / BRICK,) * 3,
+        "u_last_brick": tuple(n - 1.0 for n in bricks),
+        "u_brick_edge": tuple(1.0 / n for n in bricks),
+    }
+
+
+def distance_codes(occupied: npt.NDArray[np.bool_], coarse: int = 1) -> npt.NDArray[np.float32]:
+    """A field of empty space as ``glsl/empty_space.glsl`` reads it, shape (b_z, b_y, b_x).
+
+    Parameters
+    ----------
+    occupied : ndarray of shape (b_z, b_y, b_x)
+        Bricks that may be visible.
+    coarse : int
+        Voxels per texel.
+    """
+    if coarse > 1:
+        # texels of a reduced volume mix voxels from farther away than the bricks' own margin
+        occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
+    empty = np.minimum(chessboard_distance(occupied), 127)
+    visible = np.minimum(chessboard_distance(~occupied), 128) + 127
+    # as floats: they need no unpacking where OpenGL is computed in software
+    return np.where(occupied, visible, empty).astype(np.float32)
+
+
+def empty_scalars(gpu: Gpu, texels: TextureData, components: int, name: str) -> Any:
+    """A texture for scalars of so many volumes, to be filled."""
+    z, y, x = texels.data.shape
+    dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
+    texture = gpu.gl.texture3d((x, y, z), components, dtype=dtype, alignment=1)
+    if gpu.gl.error == "GL_OUT_OF_MEMORY":
+        texture.release()
+        raise RenderError(
+            f"{name}: the graphics memory has no room for {components * texels.data.nbytes / 2**20:.0f} MB; set "
+            "VOLVIZ_TEXTURE_MB to less, and the volume is drawn coarser."
+        )
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    return texture
+
+
+def distance_texture(gpu: Gpu, codes: npt.NDArray[np.float32]) -> Any:
+    """A field of empty space as a texture."""
+    z, y, x = codes.shape
+    texture = gpu.gl.texture3d((x, y, z), 1, codes.tobytes(), alignment=1, dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    gpu.uploads += 1
+    return texture
 
 
 def _bricks_of_differences(frame: SampledFrame) -> int:
