@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from volviz.commands.inputs import hints_of, source_of
+from volviz.commands.inputs import hints_of, number_or_name, source_of
 from volviz.errors import InputError
 
 if TYPE_CHECKING:
@@ -70,20 +70,22 @@ def layers_of_options(
     return (*found, *(_file_layer(text) for text in options.layers))
 
 
-def _channel(text: str) -> tuple[int, str]:
-    """Number and look, which may be empty, from "1:green"."""
-    number, _, look = text.partition(":")
-    if not number.strip().isdigit():
+def _channel(text: str) -> tuple[int | str, str]:
+    """Number or name, and look, which may be empty, from "1:green"; a name may have colons of its own."""
+    channel, colon, look = text.rpartition(":")
+    channel, look = (channel, look.strip()) if colon else (text, "")
+    if not channel.strip():
         raise InputError(
-            f"--channel takes a number from 0, or one with a look such as 1:green, got {text!r}."
+            f"--channel takes a number from 0 or a name, or one with a look such as 1:green, got {text!r}."
         )
-    return int(number), look.strip()
+    return number_or_name(channel.strip()), look
 
 
-def _channel_layer(source: VolumeSource, number: int, look: str, time: int) -> ImageLayer:
+def _channel_layer(source: VolumeSource, channel: int | str, look: str, time: int) -> ImageLayer:
     from volviz.model.layer_looks import channel_color, channel_function, named_look
     from volviz.model.layers import ImageLayer
 
+    number = source.channel_number(channel)
     volume = source.read(time=time, channel=number)
     known = source.channels[number]
     if look:
