@@ -127,7 +127,7 @@ def file_source(
     geometry : Geometry
         Of the finest level, as the file says it.
     dtype, colour
-        Decide whether components are colours (see `to_zyx`).
+        Type of the values as the file stores them. Both decide whether components are colours (see `to_zyx`).
     channels, times, is_labels, labels, statistics, unit, length_unit
         As in `Description`; what does not fit the axes is left out.
 
@@ -171,6 +171,7 @@ def file_source(
         labels=tuple(labels),
         is_colour=is_colour,
         name=called,
+        dtype="" if dtype is None else np.dtype(dtype).name,
         unit=unit if hints.unit is None else hints.unit,
         length_unit=length_unit,
         content_id=content_id(str(load.path)),

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
 from volviz.io.packed_files import GZIP, is_packed, open_unpacked, unpacked_head
 from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
 from volviz.io.table import READERS
+from volviz.volume_data.source import checked_box, checked_number
 
 if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
@@ -126,41 +130,61 @@ def open_file(request: LoadRequest) -> FileSource:
         return open_unpacked(request, reader.open)
 
 
-def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
+def info(path: str | os.PathLike[str], *, statistics: bool = False, **hints: Any) -> dict[str, Any]:
     """What a file holds, as plain values that print and go into JSON.
 
-    What `load` gives with these arguments is read completely, since range and damage show only then.
+    Parameters
+    ----------
+    path, **hints
+        As for `load`.
+    statistics : bool, default: False
+        Read the values as well: range, what is not finite, the type that `load` gives and damage among the values
+        show only then. Otherwise headers alone are read.
 
     Returns
     -------
     dict
         "name", "format", "source", "dims" (x, y, z), "dtype", "bytes", "spacing", "origin", "direction"
         (9 values, row by row), "length_unit", "unit", "range", "nonfinite", "notes"; of the whole file "sizes"
-        (axis: size), "channels" (names) and "times" (seconds or None).
+        (axis: size), "channels" (names) and "times" (seconds or None). From headers alone "dtype" and "bytes" are
+        those of the values as they are stored, None where unknown, "range" is None unless the header tells it, and
+        "nonfinite" is None.
     """
     chosen = {name: hints.pop(name) for name in PART if hints.get(name) is not None}
     source = open(path, **{name: value for name, value in hints.items() if name not in PART})
-    volume = source.read(**chosen)
-    low, high = volume.range
-    return {
-        "name": volume.name,
-        "format": volume.metadata.get("format", ""),
-        "source": volume.metadata.get("source", ""),
-        "dims": list(volume.dimensions),
-        "dtype": str(volume.array.dtype),
-        "bytes": int(volume.array.nbytes),
-        "spacing": list(volume.spacing),
-        "origin": list(volume.origin),
-        "direction": [float(v) for v in volume.direction.flat],
-        "length_unit": volume.metadata.get("length_unit", ""),
-        "unit": volume.unit,
-        "range": [low, high],
-        "nonfinite": volume.nonfinite_count,
-        "notes": list(volume.metadata.get("notes", ())),
+    level = source.levels[checked_number("level", chosen.get("level", 0), len(source.levels), source.name)]
+    if "box" in chosen:
+        level = level.part(checked_box(chosen["box"], level.dimensions, source.name))
+    said = source.description
+    found = {
+        "name": source.name,
+        "format": said.metadata.get("format", ""),
+        "source": said.metadata.get("source", ""),
+        "dims": list(level.dimensions),
+        "dtype": said.dtype or None,
+        "bytes": math.prod(level.dimensions) * np.dtype(said.dtype).itemsize if said.dtype else None,
+        "spacing": list(level.spacing),
+        "origin": list(level.origin),
+        "direction": [float(v) for row in level.direction for v in row],
+        "length_unit": said.length_unit,
+        "unit": source.unit,
+        "range": [said.statistics.minimum, said.statistics.maximum] if said.statistics else None,
+        "nonfinite": None,
+        "notes": list(said.metadata.get("notes", ())),
         "sizes": source.sizes,
         "channels": [channel.name for channel in source.channels] if "c" in source.axes else [],
         "times": None if source.times is None else list(source.times),
     }
+    if statistics:
+        volume = source.read(**chosen)
+        found |= {
+            "dtype": str(volume.array.dtype),
+            "bytes": int(volume.array.nbytes),
+            "range": list(volume.range),
+            "nonfinite": volume.nonfinite_count,
+            "notes": list(volume.metadata.get("notes", ())),
+        }
+    return found
 
 
 def suffixes() -> tuple[str, ...]:

@@ -165,6 +165,7 @@ def open_source(request: LoadRequest) -> FileSource:
         request.geometry(_affine(header, request)),
         format="NIfTI",
         name=stem(request.path, SUFFIXES),
+        dtype=payload.dtype,
         colour=True,
         channels=[Channel(window=(low, high))] if low < high < np.inf else (),
         times=_times(header, sizes[3]) if rank > 3 else None,

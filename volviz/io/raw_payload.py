@@ -96,8 +96,10 @@ class RawPayload:
         return replace(self, shape=(last - first, *self.shape[1:]), offset=offset + first * size, whole=False)
 
 
-def check_sizes(payload: RawPayload, request: LoadRequest) -> None:
+def check_sizes(payload: RawPayload, request: LoadRequest, *, is_opening: bool = True) -> None:
     """Compare what the header promises with what the files can hold, before any memory is asked for.
+
+    Whether the end of a packed file is there is found out at its opening: reading it shows that anyway.
 
     Raises
     ------
@@ -119,6 +121,8 @@ def check_sizes(payload: RawPayload, request: LoadRequest) -> None:
             there, wanted = size - skip, part
         elif payload.encoding == "gzip":
             there, wanted = size * DEFLATE_RATIO, part + skip
+            if is_opening and there >= wanted and not _ends_as_promised(payload, file, wanted):
+                there = _unpacked_bytes(payload, request, file)
         elif payload.encoding == "hex":
             there, wanted = size // 2, part + skip
         elif payload.encoding == "text":
@@ -135,6 +139,29 @@ def check_sizes(payload: RawPayload, request: LoadRequest) -> None:
             )
 
 
+def _ends_as_promised(payload: RawPayload, file: Path, wanted: int) -> bool:
+    """Whether the end of a gzip file tells of so many bytes, or the stream is of a kind that does not tell."""
+    with file.open("rb") as stream:
+        stream.seek(payload.packed_offset)
+        if stream.read(2) != b"\x1f\x8b":
+            return True
+        stream.seek(-4, os.SEEK_END)
+        told = int.from_bytes(stream.read(4), "little")
+    return told == wanted % 2**32
+
+
+def _unpacked_bytes(payload: RawPayload, request: LoadRequest, file: Path) -> int:
+    """How many bytes a compressed stream really holds; it is gone through for that."""
+    total = 0
+    try:
+        for block, fraction in _unpacked_blocks(file, payload.packed_offset, payload.encoding):
+            total += len(block)
+            request.report(fraction, "checking")
+    except (zlib.error, OSError, EOFError, ValueError):
+        raise request.error(_DAMAGED["gzip"], file) from None
+    return total
+
+
 def _amount(count: int) -> str:
     """A number of bytes in words that stay short, however damaged the header is."""
     return f"{count:,}" if count < 10**15 else "more than 10^15"
@@ -149,7 +176,7 @@ def read_payload(payload: RawPayload, request: LoadRequest) -> npt.NDArray[Any]:
         See `check_sizes`; more values than memory can hold; damaged compressed data.
     Cancelled
     """
-    check_sizes(payload, request)
+    check_sizes(payload, request, is_opening=False)
     check_memory(request, payload.nbytes)
     if payload.encoding == "text":
         return _read_text(payload, request)

@@ -126,6 +126,8 @@ class Description:
         The channels are red, green, blue (and alpha) of colours.
     name : str
         What to call the data set.
+    dtype : str
+        Type of the values as the file stores them, "int16" say; empty when unknown.
     unit, length_unit : str
         Unit of the values, and of spacing and origin ("mm", "µm"); empty when unknown.
     content_id : str
@@ -145,6 +147,7 @@ class Description:
     labels: tuple[Label, ...] = ()
     is_colour: bool = False
     name: str = "volume"
+    dtype: str = ""
     unit: str = ""
     length_unit: str = ""
     content_id: str = ""

@@ -56,6 +56,8 @@ class ImageFile:
         Series instance UID.
     rows, columns, samples, bits : int
         Size of the stored images, components and bits of a pixel.
+    is_signed : bool
+        Pixels are numbers with a sign.
     compressed : bool
         By a codec, pixel by pixel.
     interpretation : str
@@ -78,6 +80,7 @@ class ImageFile:
     count: int
     samples: int
     bits: int
+    is_signed: bool
     compressed: bool
     interpretation: str
     unit: str
@@ -194,6 +197,7 @@ def _file(path: Path, header: Any, *, compressed: bool) -> ImageFile:
         count=int(header.get("NumberOfFrames", 1) or 1),
         samples=int(header.get("SamplesPerPixel", 1) or 1),
         bits=int(header.get("BitsAllocated", 16) or 16),
+        is_signed=bool(header.get("PixelRepresentation", 0)),
         compressed=compressed,
         interpretation=str(header.get("PhotometricInterpretation", "")),
         unit=_unit(modality, header),
