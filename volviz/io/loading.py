@@ -202,6 +202,10 @@ def _reader_for(request: LoadRequest) -> Reader:
     path = request.path
     if not path.exists():
         raise request.error("there is no such file or folder; check the path.")
+    if not path.is_file() and not path.is_dir():
+        raise request.error(
+            "this is no file but a pipe or a device; save what comes out of it as a file first."
+        )
     head = _head(path)
     if not head and path.is_file():
         raise request.error("the file is empty; get it again.")
@@ -218,11 +222,26 @@ def _reader_for(request: LoadRequest) -> Reader:
     if by_name is not None and path.is_file():
         return by_name
     if path.is_dir():
-        raise request.error(
-            "no DICOM slices and no numbered pictures were found in the folder; choose another one, or a file."
-        )
+        raise request.error(_found_in_folder(path))
     known = ", ".join(reader.name for reader in READERS)
     raise request.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
+
+
+def _found_in_folder(folder: Path) -> str:
+    """What to say of a folder without DICOM slices and numbered pictures."""
+    from volviz.io.dicom.finding import FILES_AT_MOST, has_more_files
+
+    volumes = sorted(p.name for p in folder.iterdir() if p.is_file() and _by_suffix(p) is not None)
+    if volumes:
+        names = ", ".join(volumes[:3]) + (" ..." if len(volumes) > 3 else "")
+        one = "open it" if len(volumes) == 1 else "open one of them"
+        return f"a folder is opened for the DICOM slices or numbered pictures in it; this one holds {names}: {one}."
+    if has_more_files(folder):
+        return (
+            f"no DICOM slices were found among the first {FILES_AT_MOST:,} files of the folder; choose the folder "
+            "in which the slices lie."
+        )
+    return "no DICOM slices and no numbered pictures were found in the folder; choose another one, or a file."
 
 
 def _by_suffix(path: Path) -> Reader | None:

@@ -20,6 +20,7 @@ import numpy as np
 
 from volviz.io.axes import choose, to_zyx
 from volviz.io.memory import check_memory
+from volviz.io.unpacking import unpacked_at_once
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -33,9 +34,6 @@ BLOCK = 4 << 20
 
 DEFLATE_RATIO = 1032
 """Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes in 2 bits)."""
-
-ONE_SHOT_BYTES = 64 << 20
-"""Compressed data up to this size is unpacked by libdeflate in one call, twice as fast as zlib in blocks."""
 
 
 @dataclass(frozen=True)
@@ -278,24 +276,11 @@ _DAMAGED = {
 
 
 def _unpack_at_once(payload: RawPayload, request: LoadRequest) -> npt.NDArray[Any] | None:
-    """All values by libdeflate, or None when the stream is long or in any way unusual: zlib then decides."""
-    file = payload.files[0]
-    if file.stat().st_size > ONE_SHOT_BYTES or payload.nbytes > 16 * ONE_SHOT_BYTES:
-        return None
-    try:
-        import imagecodecs
-
-        with file.open("rb") as stream:
-            stream.seek(payload.packed_offset)
-            packed = stream.read()
-        # deflate_decode is libdeflate's reader of zlib streams; zlib_decode would be zlib's own
-        decode = imagecodecs.gzip_decode if packed[:2] == b"\x1f\x8b" else imagecodecs.deflate_decode
-        unpacked = np.empty(payload.offset + payload.nbytes, np.uint8)
-        request.report(0.1, "unpacking")
-        result = decode(packed, out=unpacked)
-    except (ImportError, RuntimeError, ValueError):
-        return None
-    if len(result) != len(unpacked):
+    """All values by libdeflate, or None when the stream is in any way unusual: zlib then decides."""
+    unpacked = unpacked_at_once(
+        payload.files[0], payload.packed_offset, payload.offset + payload.nbytes, request
+    )
+    if unpacked is None:
         return None
     values = unpacked[payload.offset :]
     if payload.offset % payload.dtype.itemsize:

@@ -258,6 +258,24 @@ def test_info_notices_a_packed_file_that_is_cut_off(tmp_path):
         info(tmp_path / "v.nii.gz")
 
 
+def test_a_pipe_and_a_folder_of_other_files_are_told_in_true_words(tmp_path):
+    import os
+
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "v.nrrd")
+        with pytest.raises(LoadError, match="no file but a pipe"):
+            load(tmp_path / "v.nrrd")
+    folder = tmp_path / "scans"
+    folder.mkdir()
+    (folder / "notes.txt").write_text("nothing")
+    with pytest.raises(LoadError, match="no DICOM slices and no numbered pictures"):
+        load(folder)
+    for name in ("a.nii", "b.nii"):
+        nibabel.save(nibabel.Nifti1Image(scalars((3, 4, 5), "int16"), np.eye(4)), folder / name)
+    with pytest.raises(LoadError, match=r"this one holds a.nii, b.nii: open one of them"):
+        load(folder)
+
+
 def test_a_meta_image_may_tell_its_range(tmp_path):
     head = (
         "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\n{}ElementDataFile = LOCAL\n"
