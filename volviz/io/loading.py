@@ -111,7 +111,7 @@ def load(
     Cancelled
     """
     source = open(path, progress=progress, cancel=cancel, **hints)
-    volume = source.read(level, 0 if time is None else time, channel, box, cancel, progress)
+    volume = source.read(level, time, channel, box, cancel, progress)
     LoadRequest(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
     return volume
 
