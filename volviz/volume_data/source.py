@@ -92,6 +92,11 @@ class VolumeSource(ABC):
         return self.description.levels
 
     @property
+    def default_level(self) -> int:
+        """Number of the level to show when nobody has chosen one: the finest, unless it is too large."""
+        return 0
+
+    @property
     def times(self) -> tuple[float, ...] | None:
         """Seconds of the time points, None when they are not known."""
         return self.description.times
