@@ -62,7 +62,12 @@ class FileSource(VolumeSource):
         super().__init__(description)
         self.load = load
         self.values = values
-        self.entries = tuple(entries)
+        self._entries = tuple(entries)
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """All that the file holds, this one included; empty where it is alone."""
+        return self._entries
 
     @cached_property
     def default_level(self) -> int:

@@ -138,7 +138,8 @@ def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
     dict
         "name", "format", "source", "dims" (x, y, z), "dtype", "bytes", "spacing", "origin", "direction"
         (9 values, row by row), "length_unit", "unit", "range", "nonfinite", "notes"; of the whole file "sizes"
-        (axis: size), "channels" (names) and "times" (seconds or None).
+        (axis: size), "channels" (names), "times" (seconds or None), "levels" (each with "dims", "spacing" and
+        "origin"), "labels" (numbers and names) and "series" (what else the file holds, in words).
     """
     chosen = {name: hints.pop(name) for name in PART if hints.get(name) is not None}
     source = open(path, **{name: value for name, value in hints.items() if name not in PART})
@@ -164,6 +165,12 @@ def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
         "sizes": source.sizes,
         "channels": [channel.name for channel in source.channels] if "c" in source.axes else [],
         "times": None if source.times is None else list(source.times),
+        "levels": [
+            {"dims": list(each.dimensions), "spacing": list(each.spacing), "origin": list(each.origin)}
+            for each in source.levels
+        ],
+        "labels": [[one.number, one.name] for one in source.labels],
+        "series": [each.words for each in source.entries],
     }
 
 

@@ -10,7 +10,7 @@ _METRES = {
 
 _LENGTHS = {
     "pm": "picometer picometre",
-    "Å": "angstrom angstroms a \u212b",
+    "Å": "angstrom angstroms \u212b",
     "nm": "nanometer nanometre nanometers nanometres",
     "µm": "micrometer micrometre micrometers micrometres micron microns um \u03bcm",
     "mm": "millimeter millimetre millimeters millimetres",

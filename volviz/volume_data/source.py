@@ -92,6 +92,11 @@ class VolumeSource(ABC):
         return self.description.levels
 
     @property
+    def entries(self) -> Sequence[Any]:
+        """Other images or arrays of the same file, and this one (`volviz.io.entries.Entry`); empty where it is alone."""
+        return ()
+
+    @property
     def default_level(self) -> int:
         """Number of the level to show when nobody has chosen one: the finest, unless it is too large."""
         return 0
