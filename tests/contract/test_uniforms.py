@@ -121,6 +121,13 @@ def draw(technique: str) -> None:
         show(
             transfer_function=volviz.TransferFunction(curve.points, by_gradient=TransferFunction2D((region,)))
         )
+        # narrower than two entries of the usual table
+        narrow = [
+            (low, (0, 0, 0, 0)),
+            *((low + 1e-4 * i, (1, 0, 0, i % 2)) for i in (1, 2, 3)),
+            (high, (0, 0, 0, 1)),
+        ]
+        show(transfer_function=volviz.TransferFunction.from_points(narrow))
         show(transfer_function=curve)
         for display, _ in handle.technique.debug_views:
             show(display=display)
@@ -149,8 +156,11 @@ def draw(technique: str) -> None:
                 volviz.ImageLayer(of, curve), volviz.ImageLayer(of, color="red"),
                 volviz.ImageLayer(volume(np.float32), curve), volviz.ImageLayer(of, curve, mode="mask"),
             )  # fmt: skip
-            for mode, _ in MODES:
-                handle.show(spec_of(layers, technique, mode=mode, shading=True))
+            numbers = volviz.Volume((of.array > of.array.mean()).astype(np.uint8))
+            labels = volviz.LabelLayer(numbers)
+            several = [((*layers, labels), {"mode": mode, "shading": True}) for mode, _ in MODES]
+            for shown_layers, values in [*several, ((labels,), {})]:
+                handle.show(spec_of(shown_layers, technique, **values))
                 window.render()
                 handle.raise_error()
         # one that is enlarged beside a mesh is drawn while something moves only
