@@ -208,6 +208,11 @@ def test_a_zarr_pyramid_lies_where_the_volume_does(tmp_path: Path, kind: str) ->
     level = _zarr_level(tmp_path / "v.ome.zarr", 1)
     assert level.shape == (9, 75, 151)
     assert level[3, 4, 5] == np.rint(array[3, 8:10, 10:12].mean())
+    again = volviz.open(tmp_path / "v.ome.zarr")
+    np.testing.assert_array_equal(again.read().array, array)
+    np.testing.assert_array_equal(again.read(1).array, level)
+    np.testing.assert_allclose(again.levels[0].origin, ORIGIN)
+    np.testing.assert_allclose(again.levels[1].origin, shift[::-1])
 
 
 def _zarr_level(path: Path, level: int) -> np.ndarray:
