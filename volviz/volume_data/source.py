@@ -94,6 +94,16 @@ class VolumeSource(ABC):
         return self.description.levels
 
     @property
+    def entries(self) -> Sequence[Any]:
+        """Images or arrays of the same file (`volviz.io.entries.Entry`); empty where this one is alone."""
+        return ()
+
+    @property
+    def default_level(self) -> int:
+        """Number of the level to show when nobody has chosen one: the finest, unless it is too large."""
+        return 0
+
+    @property
     def times(self) -> tuple[float, ...] | None:
         """Seconds of the time points, None when they are not known."""
         return self.description.times

@@ -316,7 +316,11 @@ def open_volume(
     elif first and scene is None and key.channel is None and "c" in source.axes and not source.is_colour:
         key = replace(key, channel=0)
     volume = source.read(
-        time=key.time, channel=key.channel, cancel=lambda: task.is_cancelled, progress=task.report
+        source.default_level,
+        time=key.time,
+        channel=key.channel,
+        cancel=lambda: task.is_cancelled,
+        progress=task.report,
     )
     # lazily computed and needed by every panel: done here, not in the window
     auto_isovalue(volume)
