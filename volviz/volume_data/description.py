@@ -126,12 +126,12 @@ class Description:
         The channels are red, green, blue (and alpha) of colours.
     name : str
         What to call the data set.
-    dtype : str
-        Type of the values as the file stores them, "int16" say; empty when unknown.
     unit, length_unit : str
         Unit of the values, and of spacing and origin ("mm", "µm"); empty when unknown.
     content_id : str
         Changes when the file changes.
+    dtype : str
+        Type of the stored values, "uint16" say; empty when it is not known before they are read.
     statistics : Statistics or None
         Of data without time points and channels, where the file says it.
     metadata : mapping
@@ -147,10 +147,10 @@ class Description:
     labels: tuple[Label, ...] = ()
     is_colour: bool = False
     name: str = "volume"
-    dtype: str = ""
     unit: str = ""
     length_unit: str = ""
     content_id: str = ""
+    dtype: str = ""
     statistics: Statistics | None = None
     metadata: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
