@@ -218,6 +218,7 @@ class MainWindow(QMainWindow):
         self.surface.work_changed.connect(section.show_work)
         section.cancel_requested.connect(self.surface.cancel)
         section.export_requested.connect(self.file_commands.export_mesh)
+        self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
         self.compare_commands.report_requested.connect(self.reports.write_report)
         self.documents.opened.connect(self._on_opened)
         self.views.failed.connect(self.gate.open)
@@ -300,10 +301,13 @@ class MainWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open what was dropped."""
+        """Open what was dropped; with Shift it becomes a further layer."""
         paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
         event.acceptProposedAction()
-        self.file_commands.open_dropped(paths)
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.documents.volume is not None:
+            self.file_commands.add_dropped(paths)
+        else:
+            self.file_commands.open_dropped(paths)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Escape leaves the full screen."""

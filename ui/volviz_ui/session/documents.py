@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,11 @@ from PySide6.QtCore import QObject, Signal
 from volviz.custom_gl.layer_set import layer_function
 from volviz.errors import InputError
 from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.layers import ImageLayer
+from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.label_indices import label_indices_of
 from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
 from volviz.volume_data.scalars import bricks_of
 from volviz.volume_data.volume import Volume
@@ -27,6 +28,10 @@ from volviz_ui.session.volume_cache import VolumeCache
 from volviz_ui.session.workers import Task, Workers
 
 SAMPLE_PREFIX = "sample:"
+#: Channels that are opened together; of more, the first one is shown.
+MOST_CHANNELS = 8
+#: Formats whose components are those of vectors and tensors rather than dyes.
+VECTOR_FORMATS = ("NIfTI", "NRRD", "MetaImage", "VTK image", "DICOM")
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,10 @@ class Opened:
     settings: Any = None
     scene: Scene | None = None
     """The whole scene, when a session was opened."""
+    layers: tuple[Layer, ...] = ()
+    """The layers that a file becomes, where that is not one image: its channels, or its labels."""
+    others: Mapping[VolumeKey, Volume] = field(default_factory=dict)
+    """Volumes of further layers."""
 
 
 class Documents(QObject):
@@ -67,6 +76,7 @@ class Documents(QObject):
         self._workers = workers
         self.cache = VolumeCache()
         self._shown = LoadedScene()
+        self._read: dict[VolumeKey, Volume] = {}
         self._shown = self._loaded(store.scene) or self._shown
         self._changes: deque[tuple[LoadedScene, LoadedScene]] = deque()
         self._awaited: VolumeKey | None = None
@@ -109,11 +119,24 @@ class Documents(QObject):
         self._way_back = None
         self._start(VolumeKey(ref, channel, time), first=True)
 
+    def add(self, source: str | os.PathLike[str]) -> None:
+        """Read a file, folder or ``sample:<id>`` and show it as a further layer, or its channels as several."""
+        text = os.fspath(source)
+        if not text.startswith(SAMPLE_PREFIX):
+            text = str(Path(text).absolute())
+        if self._store.scene.layer is None:
+            self.open(text)
+            return
+        self._way_back = None
+        self._start(VolumeKey(VolumeRef(text, (), content_id(text)), None, 0), first=True, adds=True)
+
     def open_scene(self, scene: Scene) -> None:
         """Show a whole scene, as from a session file, once its volume has been read."""
         if scene.layer is None:
             if scene.layers:
-                error = InputError("it holds labels alone, which cannot be drawn yet; add an image to it.")
+                error = InputError(
+                    "it holds labels alone, which the window shows beside an image; add one to it."
+                )
                 self.failed.emit(self.tr("The session"), error)
             return
         self._way_back = None
@@ -151,12 +174,15 @@ class Documents(QObject):
 
     # ------------------------------------------------------------------ inside
 
-    def _start(self, key: VolumeKey, *, first: bool, scene: Scene | None = None) -> None:
+    def _start(self, key: VolumeKey, *, first: bool, scene: Scene | None = None, adds: bool = False) -> None:
         name = title_of(key.ref)
-        task = self._workers.start(lambda task: open_volume(key, task, scene), label=name, key="load")
+        task = self._workers.start(
+            lambda task: open_volume(key, task, scene, adds=adds), label=name, key="load"
+        )
         self._task = task
         task.progressed.connect(self.loading_progressed)
-        task.succeeded.connect(self._on_first_loaded if first else self._on_loaded_again)
+        done = self._on_added if adds else self._on_first_loaded if first else self._on_loaded_again
+        task.succeeded.connect(done)
         task.failed.connect(lambda error: self._on_failed(task, error))
         self.loading_started.emit(name)
 
@@ -167,7 +193,7 @@ class Documents(QObject):
 
     def _on_first_loaded(self, opened: Opened) -> None:
         self._end()
-        self.cache.put(opened.key, opened.volume)
+        self._keep(opened)
         is_first = self._store.scene.layer is None
         self._store.update(
             lambda scene: scene_with(scene, opened),
@@ -178,9 +204,27 @@ class Documents(QObject):
             self._store.clear_history()
         self.opened.emit(opened)
 
+    def _on_added(self, opened: Opened) -> None:
+        self._end()
+        self._keep(opened)
+        added = layers_of(opened)
+
+        def with_layers(scene: Scene) -> Scene:
+            return replace(scene, layers=(*scene.layers, *added), active_layer=len(scene.layers))
+
+        self._store.update(with_layers, label=self.tr("Add %1").replace("%1", opened.volume.name))
+
+    def _keep(self, opened: Opened) -> None:
+        """Keep what was read until it is shown."""
+        self._read = {opened.key: opened.volume, **opened.others}
+        for key, volume in self._read.items():
+            self.cache.put(key, volume)
+
     def _on_loaded_again(self, opened: Opened) -> None:
         self._end()
         self._way_back = None
+        # several may be read one after the other, and all are needed
+        self._read = {**self._read, opened.key: opened.volume}
         self.cache.put(opened.key, opened.volume)
         self._follow(self._store.scene)
 
@@ -215,23 +259,34 @@ class Documents(QObject):
                 self._workers.cancel("load")
                 self._end()
             self._show(loaded)
-        elif scene.layer is not None and scene.layer.key != self._awaited:
-            self._awaited = scene.layer.key
-            self._start(scene.layer.key, first=False)
+        else:
+            missing = next(key for key in keys_of(scene) if self._at_hand(key) is None)
+            if missing != self._awaited:
+                self._awaited = missing
+                self._start(missing, first=False)
+
+    def _at_hand(self, key: VolumeKey) -> Volume | None:
+        """A volume that need not be read."""
+        return self._shown.volumes.get(key) or self._read.get(key) or self.cache.get(key)
 
     def _loaded(self, scene: Scene) -> LoadedScene | None:
         """The scene with its volumes, None when one of them must be read."""
-        if scene.layer is None:
-            return LoadedScene(scene)
-        key = scene.layer.key
-        if key in self._shown.volumes:
+        keys = keys_of(scene)
+        if set(keys) == set(self._shown.volumes):
             return LoadedScene(scene, self._shown.volumes)
-        volume = self.cache.get(key)
-        return None if volume is None else LoadedScene(scene, {key: volume})
+        volumes: dict[VolumeKey, Volume] = {}
+        for key in keys:
+            volume = self._at_hand(key)
+            if volume is None:
+                return None
+            volumes[key] = volume
+        return LoadedScene(scene, volumes)
 
     def _show(self, new: LoadedScene) -> None:
         old, self._shown = self._shown, new
-        if new.volume is not old.volume and new.volume is not None and self._workers.gate is not None:
+        self._read = {}
+        before = old.volumes.values()
+        if new.volume is not None and new.volume not in before and self._workers.gate is not None:
             # the histograms wait until the first image has been drawn
             self._workers.gate.shut()
         self._changes.append((old, new))
@@ -251,23 +306,53 @@ def title_of(ref: VolumeRef) -> str:
     return Path(ref.source).name or ref.source
 
 
-def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None) -> Opened:
-    """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker."""
+def keys_of(scene: Scene) -> list[VolumeKey]:
+    """What the layers of a scene show; nothing of one that has no image, which nobody draws."""
+    return [] if scene.layer is None else [layer.key for layer in scene.layers]
+
+
+def _read_volume(key: VolumeKey, task: Task) -> Volume:
     from volviz.io import load
 
     ref = key.ref
-    task.report(-1.0, "")
-    volume = load(
+    return load(
         ref.source, time=key.time or None, channel=key.channel,
         progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints),
     )  # fmt: skip
+
+
+def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None, *, adds: bool = False) -> Opened:
+    """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker.
+
+    Parameters
+    ----------
+    key : VolumeKey
+        What to read.
+    task : Task
+        Told how far it is.
+    scene : Scene, optional
+        A whole scene of which this is the active layer; its other volumes are read as well.
+    adds : bool
+        It becomes a further layer: labels become surfaces, not colours.
+    """
+    ref = key.ref
+    task.report(-1.0, "")
+    if scene is None:
+        found = _layers_of_file(key, task, adds=adds)
+        if found is not None:
+            return found
+    volume = _read_volume(key, task)
     # lazily computed and needed by every panel: done here, not in the window
     auto_isovalue(volume)
     bricks_of(volume)
     if scene is not None and scene.layer is not None:
-        # the editor needs one function, in the place of colour and window, and with the opacity in it
-        scene = scene.with_layer(transfer_function=layer_function(scene.layer, volume), opacity=1.0)
-        return Opened(key, volume, scene.layer.transfer_function, scene=scene)
+        volumes = {key: volume}
+        for layer in scene.layers:
+            if layer.key not in volumes:
+                volumes[layer.key] = _read_volume(layer.key, task)
+        layers = tuple(editable(layer, volumes[layer.key]) for layer in scene.layers)
+        scene = replace(scene, layers=layers)
+        return Opened(key, volume, TransferFunction.auto(volume), scene=scene, others=volumes)
     preset_id = suggested_preset(ref)
     if preset_id is None:
         return Opened(key, volume, TransferFunction.auto(volume))
@@ -275,6 +360,56 @@ def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None) -> Opene
 
     chosen = preset(preset_id)
     return Opened(key, volume, preset_for(chosen, volume), chosen.technique, chosen.settings)
+
+
+def editable(layer: Layer, volume: Volume) -> Layer:
+    """A layer as the editor of functions takes it: a function in the place of colour and window."""
+    if not isinstance(layer, ImageLayer):
+        return layer
+    function = layer_function(replace(layer, opacity=1.0), volume)
+    return replace(layer, transfer_function=function, color=None, window=None)
+
+
+def _layers_of_file(key: VolumeKey, task: Task, *, adds: bool) -> Opened | None:
+    """The layers of a file that is more than one image: the channels of a microscope, labels; None for others."""
+    import volviz.io
+    from volviz.model.layer_looks import channel_color, channel_function
+
+    ref = key.ref
+    source = volviz.io.open(ref.source, cancel=lambda: task.is_cancelled, **dict(ref.hints))
+    if source.is_labels and adds:
+        volume = _read_volume(key, task)
+        colors = {label.number: label.color for label in source.labels if label.color is not None}
+        names = {label.number: label.name for label in source.labels if label.name}
+        layer = LabelLayer(ref, colors, names, name=volume.name, channel=key.channel, time=key.time)
+        label_indices_of(volume)
+        return Opened(key, volume, TransferFunction.auto(volume), layers=(layer,))
+    count = source.description.channel_count or 1
+    if key.channel is not None or not 1 < count <= MOST_CHANNELS or source.is_labels:
+        return None
+    if source.metadata.get("format") in VECTOR_FORMATS or source.channels[0].name == "red":
+        return None
+    volumes, layers = {}, []
+    for number, known in enumerate(source.channels):
+        each = VolumeKey(ref, number, key.time)
+        volume = volumes[each] = _read_volume(each, task)
+        auto_isovalue(volume)
+        bricks_of(volume)
+        function = channel_function(volume, known.color or channel_color(number), known.window)
+        name = known.name or f"Channel {number + 1}"
+        layers.append(ImageLayer(ref, function, name, channel=number, time=key.time))
+    first = volumes[VolumeKey(ref, 0, key.time)]
+    function = layers[0].transfer_function or TransferFunction.auto(first)
+    return Opened(key, first, function, layers=tuple(layers), others=volumes)
+
+
+def layers_of(opened: Opened) -> tuple[Layer, ...]:
+    """What a file becomes in the scene."""
+    if opened.layers:
+        return opened.layers
+    key = opened.key
+    name = opened.volume.name
+    return (ImageLayer(key.ref, opened.transfer_function, name, channel=key.channel, time=key.time),)
 
 
 def suggested_preset(ref: VolumeRef) -> str | None:
@@ -291,11 +426,9 @@ def scene_with(scene: Scene, opened: Opened) -> Scene:
     """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
     if opened.scene is not None:
         return opened.scene
-    key = opened.key
-    layer = ImageLayer(
-        key.ref, opened.transfer_function, opened.volume.name, channel=key.channel, time=key.time
-    )
     views = tuple(replace(view, camera=None) for view in scene.views)
     clipping = replace(scene.clipping, crop=None, planes=())
     light = replace(scene.light, position=None)
-    return replace(scene, layers=(layer,), views=views, clipping=clipping, light=light)
+    return replace(
+        scene, layers=layers_of(opened), active_layer=0, views=views, clipping=clipping, light=light
+    )
