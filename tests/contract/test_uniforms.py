@@ -121,6 +121,13 @@ def draw(technique: str) -> None:
         show(
             transfer_function=volviz.TransferFunction(curve.points, by_gradient=TransferFunction2D((region,)))
         )
+        # narrower than two entries of the usual table
+        narrow = [
+            (low, (0, 0, 0, 0)),
+            *((low + 1e-4 * i, (1, 0, 0, i % 2)) for i in (1, 2, 3)),
+            (high, (0, 0, 0, 1)),
+        ]
+        show(transfer_function=volviz.TransferFunction.from_points(narrow))
         show(transfer_function=curve)
         for display, _ in handle.technique.debug_views:
             show(display=display)

@@ -102,12 +102,15 @@ def test_a_technique_for_one_layer_draws_the_active_one_and_says_so(
     assert "order changes nothing" in window.data_panel.layers.words.text()
 
 
-def test_channels_of_one_file_come_as_layers(window: MainWindow, tmp_path: Path, wait_for: Wait) -> None:
+def test_all_channels_of_a_file_become_layers(window: MainWindow, tmp_path: Path, wait_for: Wait) -> None:
     stack = np.zeros((6, 2, 16, 18), np.uint8)
     stack[2:4, 0, 4:9, 4:9], stack[1:5, 1, 8:13, 8:13] = 200, 150
     path = str(tmp_path / "cells.tif")
     tifffile.imwrite(path, stack, imagej=True, metadata={"axes": "ZCYX"})
     window.open(path)
+    wait_for(lambda: window.documents.volume.dimensions == (18, 16, 6))
+    assert window.data_panel.layers.channels_button.isVisibleTo(window.data_panel)
+    window.data_panel.layers.channels_button.click()
     wait_for(lambda: len(window.store.scene.layers) == 2)
     assert all(isinstance(layer, ImageLayer) for layer in window.store.scene.layers)
     assert [layer.channel for layer in window.store.scene.layers] == [0, 1]

@@ -16,7 +16,7 @@ from volviz.model.session import save_session
 from volviz.volume_data.references import VolumeRef
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.session.autosave import Autosave, left_behind
-from volviz_ui.session.documents import editable
+from volviz_ui.session.opening import editable
 
 Wait = Callable[..., None]
 DEAD_PROCESS = 2**22 + 5

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 from volviz.model.layers import Color, ImageLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.references import VolumeRef
 
 
 def with_layer_at(scene: Scene, number: int, **changes: Any) -> Scene:
@@ -29,6 +31,17 @@ def without_layer(scene: Scene, number: int) -> Scene:
         return scene
     layers = (*scene.layers[:number], *scene.layers[number + 1 :])
     return replace(scene, layers=layers, active_layer=scene.active_layer - (scene.active_layer > number))
+
+
+def with_added(scene: Scene, layers: Sequence[Layer]) -> Scene:
+    """The scene with further layers, the first of which is the active one."""
+    return replace(scene, layers=(*scene.layers, *layers), active_layer=len(scene.layers))
+
+
+def with_layers_instead(scene: Scene, ref: VolumeRef, layers: Sequence[Layer]) -> Scene:
+    """The scene with other layers in the place of the image layers of a file."""
+    kept = [each for each in scene.layers if not (isinstance(each, ImageLayer) and each.volume == ref)]
+    return replace(scene, layers=(*layers, *kept), active_layer=0)
 
 
 def with_only(scene: Scene, number: int) -> Scene:

@@ -36,10 +36,11 @@ from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.ray_inspector.inspector import RayInspector
 from volviz_ui.ray_inspector.panel import RayPanel
 from volviz_ui.session.autosave import Autosave
-from volviz_ui.session.documents import SAMPLE_PREFIX, Documents, Opened
+from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene, volume_of
 from volviz_ui.session.memory import return_freed_memory
 from volviz_ui.session.mesh_summary import ShownMesh
+from volviz_ui.session.opening import SAMPLE_PREFIX, Opened
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.session.workers import Gate, Workers
 from volviz_ui.style.app_icon import app_icon
@@ -249,10 +250,10 @@ class MainWindow(QMainWindow):
 
     # ------------------------------------------------------------------ opening
 
-    def open(self, source: str) -> None:
-        """Open a file, a folder or ``sample:<id>``."""
-        if source.startswith(SAMPLE_PREFIX):
-            self.documents.open(source)
+    def open(self, source: str, **hints: Any) -> None:
+        """Open a file, a folder or ``sample:<id>``; hints as for `volviz.load`."""
+        if source.startswith(SAMPLE_PREFIX) or hints:
+            self.documents.open(source, **hints)
         else:
             self.file_commands.open_path(source)
 

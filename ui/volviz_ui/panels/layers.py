@@ -29,7 +29,9 @@ from volviz.model.layers import ImageLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.editors.simple import ColorButton, chosen_color
-from volviz_ui.session.loaded_scene import words_on_layers
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene, words_on_layers
+from volviz_ui.session.opening import has_channels
 from volviz_ui.style.icons import set_icon
 from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.small import quiet_label, small_button
@@ -167,9 +169,9 @@ class LayerList(QWidget):
 
     add_requested = Signal()
 
-    def __init__(self, store: Store, parent: QWidget | None = None) -> None:
+    def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._store = store
+        self._store, self._documents = store, documents
         self.rows: list[LayerRow] = []
         self.column = QVBoxLayout(self)
         self.column.setContentsMargins(0, 0, 0, 0)
@@ -183,9 +185,25 @@ class LayerList(QWidget):
         self.add_button.setToolTip(self.tr("Show another file in the same picture"))
         set_icon(self.add_button, "plus", "quiet")
         self.add_button.clicked.connect(self.add_requested)
+        self.channels_button = QToolButton(self)
+        self.channels_button.setText(self.tr("All channels"))
+        self.channels_button.setAutoRaise(True)
+        self.channels_button.setToolTip(
+            self.tr("Show every channel of this file as a layer, each in its colour")
+        )
+        self.channels_button.clicked.connect(documents.show_all_channels)
+        buttons = QHBoxLayout()
+        buttons.setContentsMargins(0, 0, 0, 0)
+        buttons.addWidget(self.add_button)
+        buttons.addWidget(self.channels_button)
+        buttons.addStretch(1)
         self.column.addWidget(self.words)
-        self.column.addWidget(self.add_button)
+        self.column.addLayout(buttons)
         show_value(store, _layers_shown, self._show)
+        show_value(documents, _active_layer, self._show_channels)
+
+    def _show_channels(self, _active: object) -> None:
+        self.channels_button.setVisible(has_channels(self._documents.source))
 
     def _show(self, shown: tuple[tuple[Layer, ...], int | None, str]) -> None:
         layers, active, words = shown
@@ -204,6 +222,10 @@ class LayerList(QWidget):
         self.words.setText(words)
         self.words.setVisible(bool(words))
         self.add_button.setEnabled(bool(layers))
+
+
+def _active_layer(shown: LoadedScene) -> object:
+    return shown.scene.layer
 
 
 def _layers_shown(scene: Scene) -> tuple[tuple[Layer, ...], int | None, str]:

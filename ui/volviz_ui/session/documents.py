@@ -3,52 +3,38 @@
 from __future__ import annotations
 
 import os
-from collections import deque
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from psygnal import Signal as Event
 from PySide6.QtCore import QObject, Signal
 
-from volviz.custom_gl.layer_set import layer_function
 from volviz.errors import InputError
-from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.layers import ImageLayer, LabelLayer, Layer
+from volviz.model.layer_edits import with_added, with_layers_instead
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.transfer.function import TransferFunction
-from volviz.volume_data.label_indices import label_indices_of
 from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
-from volviz.volume_data.scalars import bricks_of
+from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.session.opening import (
+    SAMPLE_PREFIX,
+    Opened,
+    has_channels,
+    layers_of,
+    open_channels,
+    open_volume,
+    scene_with,
+    title_of,
+)
 from volviz_ui.session.volume_cache import VolumeCache
 from volviz_ui.session.workers import Task, Workers
 
-SAMPLE_PREFIX = "sample:"
-#: Channels that are opened together; of more, the first one is shown.
-MOST_CHANNELS = 8
-#: Formats whose components are those of vectors and tensors rather than dyes.
-VECTOR_FORMATS = ("NIfTI", "NRRD", "MetaImage", "VTK image", "DICOM")
-
-
-@dataclass(frozen=True)
-class Opened:
-    """What a worker brings: the volume and how to show it at first."""
-
-    key: VolumeKey
-    volume: Volume
-    transfer_function: TransferFunction
-    technique: str | None = None
-    settings: Any = None
-    scene: Scene | None = None
-    """The whole scene, when a session was opened."""
-    layers: tuple[Layer, ...] = ()
-    """The layers that a file becomes, where that is not one image: its channels, or its labels."""
-    others: Mapping[VolumeKey, Volume] = field(default_factory=dict)
-    """Volumes of further layers."""
+SOURCES = 8
+"""Files whose headers are kept."""
 
 
 class Documents(QObject):
@@ -75,6 +61,7 @@ class Documents(QObject):
         self._store = store
         self._workers = workers
         self.cache = VolumeCache()
+        self._sources: OrderedDict[VolumeRef, VolumeSource] = OrderedDict()
         self._shown = LoadedScene()
         self._read: dict[VolumeKey, Volume] = {}
         self._shown = self._loaded(store.scene) or self._shown
@@ -97,6 +84,12 @@ class Documents(QObject):
         return self._shown.volume
 
     @property
+    def source(self) -> VolumeSource | None:
+        """Where the volume that is shown comes from: its other time points and channels can be read of it."""
+        layer = self._shown.scene.layer
+        return None if layer is None else self._sources.get(layer.key.ref)
+
+    @property
     def is_current(self) -> bool:
         """Whether the scene of the store is the one that is shown, and no volume is awaited for it."""
         return self._shown.scene is self._store.scene
@@ -109,26 +102,40 @@ class Documents(QObject):
     # ------------------------------------------------------------------ opening
 
     def open(
-        self, source: str | os.PathLike[str], *, channel: int | None = None, time: int = 0, **hints: Any
+        self, source: str | os.PathLike[str], *, channel: int | str | None = None, time: int = 0, **hints: Any
     ) -> None:
-        """Read a file, folder or ``sample:<id>`` and show it; the newest request wins."""
+        """Read a file, folder or ``sample:<id>`` and show it; the newest request wins.
+
+        A channel is chosen by its number, from 0, or its name; without one, the file shows what it shows by itself.
+        """
         text = os.fspath(source)
         if not text.startswith(SAMPLE_PREFIX):
             text = str(Path(text).absolute())
         ref = VolumeRef(text, tuple(hints.items()), content_id(text))
         self._way_back = None
-        self._start(VolumeKey(ref, channel, time), first=True)
+        name = channel if isinstance(channel, str) else None
+        number = None if isinstance(channel, str) else channel
+        self._start(VolumeKey(ref, number, time), first=True, channel_name=name)
 
     def add(self, source: str | os.PathLike[str]) -> None:
-        """Read a file, folder or ``sample:<id>`` and show it as a further layer, or its channels as several."""
+        """Read a file, folder or ``sample:<id>`` and show it as a further layer."""
         text = os.fspath(source)
-        if not text.startswith(SAMPLE_PREFIX):
-            text = str(Path(text).absolute())
         if self._store.scene.layer is None:
             self.open(text)
             return
+        if not text.startswith(SAMPLE_PREFIX):
+            text = str(Path(text).absolute())
+        key = VolumeKey(VolumeRef(text, (), content_id(text)), None, 0)
         self._way_back = None
-        self._start(VolumeKey(VolumeRef(text, (), content_id(text)), None, 0), first=True, adds=True)
+        self._run(key, lambda task: open_volume(key, task, adds=True), self._on_added)
+
+    def show_all_channels(self) -> None:
+        """Show all channels of the file that the active layer shows, each as a layer, in the place of that layer."""
+        layer, source = self._shown.scene.layer, self.source
+        if layer is not None and source is not None and has_channels(source):
+            key = layer.key
+            self._way_back = None
+            self._run(key, lambda task: open_channels(key, source, task), self._on_channels)
 
     def open_scene(self, scene: Scene) -> None:
         """Show a whole scene, as from a session file, once its volume has been read."""
@@ -171,17 +178,27 @@ class Documents(QObject):
         self._task = None
         self._shown = LoadedScene()
         self.cache.clear()
+        self._sources.clear()
 
     # ------------------------------------------------------------------ inside
 
-    def _start(self, key: VolumeKey, *, first: bool, scene: Scene | None = None, adds: bool = False) -> None:
-        name = title_of(key.ref)
-        task = self._workers.start(
-            lambda task: open_volume(key, task, scene, adds=adds), label=name, key="load"
+    def _start(
+        self, key: VolumeKey, *, first: bool, scene: Scene | None = None, channel_name: str | None = None
+    ) -> None:
+        # headers are not read again for another time point
+        source = None if first else self._sources.get(key.ref)
+        self._run(
+            key,
+            lambda task: open_volume(key, task, scene, source=source, channel=channel_name, first=first),
+            self._on_first_loaded if first else self._on_loaded_again,
         )
+
+    def _run(self, key: VolumeKey, work: Callable[[Task], Opened], done: Callable[[Opened], None]) -> None:
+        """Read on a worker; the newest request wins."""
+        name = title_of(key.ref)
+        task = self._workers.start(work, label=name, key="load")
         self._task = task
         task.progressed.connect(self.loading_progressed)
-        done = self._on_added if adds else self._on_first_loaded if first else self._on_loaded_again
         task.succeeded.connect(done)
         task.failed.connect(lambda error: self._on_failed(task, error))
         self.loading_started.emit(name)
@@ -207,26 +224,35 @@ class Documents(QObject):
     def _on_added(self, opened: Opened) -> None:
         self._end()
         self._keep(opened)
-        added = layers_of(opened)
+        self._store.update(
+            lambda scene: with_added(scene, layers_of(opened)),
+            label=self.tr("Add %1").replace("%1", opened.volume.name),
+        )
 
-        def with_layers(scene: Scene) -> Scene:
-            return replace(scene, layers=(*scene.layers, *added), active_layer=len(scene.layers))
-
-        self._store.update(with_layers, label=self.tr("Add %1").replace("%1", opened.volume.name))
-
-    def _keep(self, opened: Opened) -> None:
-        """Keep what was read until it is shown."""
-        self._read = {opened.key: opened.volume, **opened.others}
-        for key, volume in self._read.items():
-            self.cache.put(key, volume)
+    def _on_channels(self, opened: Opened) -> None:
+        self._end()
+        self._keep(opened)
+        self._store.update(
+            lambda scene: with_layers_instead(scene, opened.key.ref, opened.layers),
+            label=self.tr("All channels"),
+        )
 
     def _on_loaded_again(self, opened: Opened) -> None:
         self._end()
         self._way_back = None
-        # several may be read one after the other, and all are needed
-        self._read = {**self._read, opened.key: opened.volume}
-        self.cache.put(opened.key, opened.volume)
+        self._keep(opened)
         self._follow(self._store.scene)
+
+    def _keep(self, opened: Opened) -> None:
+        # several may be read one after the other, and all are needed before any is shown
+        read = {opened.key: opened.volume, **opened.others}
+        self._read |= read
+        for key, volume in read.items():
+            self.cache.put(key, volume)
+        self._sources[opened.key.ref] = opened.source
+        self._sources.move_to_end(opened.key.ref)
+        while len(self._sources) > SOURCES:
+            self._sources.popitem(last=False)
 
     def _on_failed(self, task: Task, error: Exception) -> None:
         if task is not self._task:
@@ -285,8 +311,8 @@ class Documents(QObject):
     def _show(self, new: LoadedScene) -> None:
         old, self._shown = self._shown, new
         self._read = {}
-        before = old.volumes.values()
-        if new.volume is not None and new.volume not in before and self._workers.gate is not None:
+        is_new = new.volume is not None and new.volume not in old.volumes.values()
+        if is_new and self._workers.gate is not None:
             # the histograms wait until the first image has been drawn
             self._workers.gate.shut()
         self._changes.append((old, new))
@@ -299,136 +325,6 @@ class Documents(QObject):
                 self._changes.popleft()
 
 
-def title_of(ref: VolumeRef) -> str:
-    """What to call a source before it has been read."""
-    if ref.source.startswith(SAMPLE_PREFIX):
-        return ref.source.removeprefix(SAMPLE_PREFIX)
-    return Path(ref.source).name or ref.source
-
-
 def keys_of(scene: Scene) -> list[VolumeKey]:
     """What the layers of a scene show; nothing of one that has no image, which nobody draws."""
     return [] if scene.layer is None else [layer.key for layer in scene.layers]
-
-
-def _read_volume(key: VolumeKey, task: Task) -> Volume:
-    from volviz.io import load
-
-    ref = key.ref
-    return load(
-        ref.source, time=key.time or None, channel=key.channel,
-        progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints),
-    )  # fmt: skip
-
-
-def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None, *, adds: bool = False) -> Opened:
-    """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker.
-
-    Parameters
-    ----------
-    key : VolumeKey
-        What to read.
-    task : Task
-        Told how far it is.
-    scene : Scene, optional
-        A whole scene of which this is the active layer; its other volumes are read as well.
-    adds : bool
-        It becomes a further layer: labels become surfaces, not colours.
-    """
-    ref = key.ref
-    task.report(-1.0, "")
-    if scene is None:
-        found = _layers_of_file(key, task, adds=adds)
-        if found is not None:
-            return found
-    volume = _read_volume(key, task)
-    # lazily computed and needed by every panel: done here, not in the window
-    auto_isovalue(volume)
-    bricks_of(volume)
-    if scene is not None and scene.layer is not None:
-        volumes = {key: volume}
-        for layer in scene.layers:
-            if layer.key not in volumes:
-                volumes[layer.key] = _read_volume(layer.key, task)
-        layers = tuple(editable(layer, volumes[layer.key]) for layer in scene.layers)
-        scene = replace(scene, layers=layers)
-        return Opened(key, volume, TransferFunction.auto(volume), scene=scene, others=volumes)
-    preset_id = suggested_preset(ref)
-    if preset_id is None:
-        return Opened(key, volume, TransferFunction.auto(volume))
-    from volviz.model.transfer.presets import preset, preset_for
-
-    chosen = preset(preset_id)
-    return Opened(key, volume, preset_for(chosen, volume), chosen.technique, chosen.settings)
-
-
-def editable(layer: Layer, volume: Volume) -> Layer:
-    """A layer as the editor of functions takes it: a function in the place of colour and window."""
-    if not isinstance(layer, ImageLayer):
-        return layer
-    function = layer_function(replace(layer, opacity=1.0), volume)
-    return replace(layer, transfer_function=function, color=None, window=None)
-
-
-def _layers_of_file(key: VolumeKey, task: Task, *, adds: bool) -> Opened | None:
-    """The layers of a file that is more than one image: the channels of a microscope, labels; None for others."""
-    import volviz.io
-    from volviz.model.layer_looks import channel_color, channel_function
-
-    ref = key.ref
-    source = volviz.io.open(ref.source, cancel=lambda: task.is_cancelled, **dict(ref.hints))
-    if source.is_labels and adds:
-        volume = _read_volume(key, task)
-        colors = {label.number: label.color for label in source.labels if label.color is not None}
-        names = {label.number: label.name for label in source.labels if label.name}
-        layer = LabelLayer(ref, colors, names, name=volume.name, channel=key.channel, time=key.time)
-        label_indices_of(volume)
-        return Opened(key, volume, TransferFunction.auto(volume), layers=(layer,))
-    count = source.description.channel_count or 1
-    if key.channel is not None or not 1 < count <= MOST_CHANNELS or source.is_labels:
-        return None
-    if source.metadata.get("format") in VECTOR_FORMATS or source.channels[0].name == "red":
-        return None
-    volumes, layers = {}, []
-    for number, known in enumerate(source.channels):
-        each = VolumeKey(ref, number, key.time)
-        volume = volumes[each] = _read_volume(each, task)
-        auto_isovalue(volume)
-        bricks_of(volume)
-        function = channel_function(volume, known.color or channel_color(number), known.window)
-        name = known.name or f"Channel {number + 1}"
-        layers.append(ImageLayer(ref, function, name, channel=number, time=key.time))
-    first = volumes[VolumeKey(ref, 0, key.time)]
-    function = layers[0].transfer_function or TransferFunction.auto(first)
-    return Opened(key, first, function, layers=tuple(layers), others=volumes)
-
-
-def layers_of(opened: Opened) -> tuple[Layer, ...]:
-    """What a file becomes in the scene."""
-    if opened.layers:
-        return opened.layers
-    key = opened.key
-    name = opened.volume.name
-    return (ImageLayer(key.ref, opened.transfer_function, name, channel=key.channel, time=key.time),)
-
-
-def suggested_preset(ref: VolumeRef) -> str | None:
-    """The preset that a bundled sample looks best with."""
-    if not ref.source.startswith(SAMPLE_PREFIX):
-        return None
-    from volviz.io.samples import samples
-
-    wanted = ref.source.removeprefix(SAMPLE_PREFIX)
-    return next((sample.preset for sample in samples() if sample.id == wanted), None)
-
-
-def scene_with(scene: Scene, opened: Opened) -> Scene:
-    """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
-    if opened.scene is not None:
-        return opened.scene
-    views = tuple(replace(view, camera=None) for view in scene.views)
-    clipping = replace(scene.clipping, crop=None, planes=())
-    light = replace(scene.light, position=None)
-    return replace(
-        scene, layers=layers_of(opened), active_layer=0, views=views, clipping=clipping, light=light
-    )

@@ -139,13 +139,16 @@ class Gpu:
         self._bufferless.clear()
         self.programs.forget()
 
-    def table_texture(self, table: npt.NDArray[np.float32]) -> Any:
-        """A clamped RGBA32F texture from an array of shape (H, W, 4), with a linear filter when it has two rows."""
+    def table_texture(self, table: npt.NDArray[np.float32], *, folded: bool = False) -> Any:
+        """A clamped RGBA32F texture from an array of shape (H, W, 4), with a linear filter when it has two rows.
+
+        Rows that only go on with the row before (`folded`) are not mixed.
+        """
         height, width, _ = table.shape
         texture = self.gl.texture(
             (width, height), 4, np.ascontiguousarray(table, np.float32).tobytes(), dtype="f4"
         )
-        kind = moderngl.LINEAR if height > 1 else moderngl.NEAREST
+        kind = moderngl.LINEAR if height > 1 and not folded else moderngl.NEAREST
         texture.filter = (kind, kind)
         texture.repeat_x = texture.repeat_y = False
         self.uploads += 1
