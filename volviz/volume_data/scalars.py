@@ -130,14 +130,12 @@ def known_gradient_bricks(volume: Volume) -> Bricks | None:
 def choose_format(dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool) -> Format:
     """Texel format for scalars of a type.
 
-    Software rasterisers filter float32 fastest, as long as memory allows it; graphics cards get the smallest
-    format that loses nothing.
+    Graphics cards get the smallest format that loses nothing; so do software rasterisers, for which small values are
+    packed (`volviz.custom_gl.gpu.packed_texels`).
     """
     if dtype.kind == "f" or dtype.itemsize > 2:
         return "f4"
-    if software and voxels <= 2**28:
-        return "f4"
-    if dtype == np.uint8 and precise_bytes:
+    if dtype == np.uint8 and (precise_bytes or software):
         return "u1"
     return "u2"
 

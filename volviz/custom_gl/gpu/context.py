@@ -151,6 +151,15 @@ class Gpu:
         self.uploads += 1
         return texture
 
+    def segments_texture(self, table: npt.NDArray[np.float32]) -> Any:
+        """A texture of `segment_texels`, one row."""
+        texels = segment_texels(table)
+        texture = self.gl.texture((texels.shape[1], 1), 4, texels.tobytes(), dtype="i4")
+        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        texture.repeat_x = texture.repeat_y = False
+        self.uploads += 1
+        return texture
+
     def release(self) -> None:
         """Release everything; the context must be current."""
         self.forget_programs()
@@ -158,3 +167,24 @@ class Gpu:
         if self._blank is not None:
             self._blank.release()
             self._blank = None
+
+
+def segment_texels(table: npt.NDArray[np.float32]) -> npt.NDArray[np.int32]:
+    """A table of colours as segments between neighbouring entries: both ends in one texel, which one lookup reads.
+
+    Parameters
+    ----------
+    table : ndarray of shape (1, N, 4), float32
+        Straight red, green, blue, opacity in 0..1; at least two entries.
+
+    Returns
+    -------
+    ndarray of shape (1, N - 1, 4), int32
+        Colour of the first and of the second end, 11 bits for red and green and 10 for blue, red lowest; opacities of
+        both ends, the bits of 32-bit floats.
+    """
+    steps = np.array([2047, 2047, 1023])
+    red, green, blue = np.moveaxis(np.rint(np.clip(table[..., :3], 0.0, 1.0) * steps).astype(np.uint32), -1, 0)
+    colors = (red | green << np.uint32(11) | blue << np.uint32(22)).view(np.int32)
+    opacities = np.ascontiguousarray(table[..., 3], np.float32).view(np.int32)
+    return np.stack([colors[:, :-1], colors[:, 1:], opacities[:, :-1], opacities[:, 1:]], axis=-1)

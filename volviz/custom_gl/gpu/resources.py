@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.packed_texels import CORNERS, empty_packed, is_packed, packed
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.brick_gradients import occupancy_2d, visible_plane_sums
@@ -88,8 +89,20 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ scalars
 
+    @property
+    def fetch(self) -> str:
+        """File of the hook that reads the scalars."""
+        if not self._packs(self.texels):
+            return "fetch/texture.glsl"
+        return "fetch/packed8.glsl" if self.texels.format == "u1" else "fetch/packed16.glsl"
+
+    def _packs(self, texels: TextureData) -> bool:
+        return is_packed(texels.data, software=self.gpu.limits.software)
+
     def _empty_scalars(self, texels: TextureData) -> Any:
         z, y, x = texels.data.shape
+        if self._packs(texels):
+            return empty_packed(self.gpu.gl, texels.data)
         dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
         texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
         if self.gpu.gl.error == "GL_OUT_OF_MEMORY":
@@ -116,11 +129,13 @@ class VolumeResources:
             Stop after about that many bytes; None uploads everything.
         """
         data, texture = self._levels[0][0].data, self._levels[0][1]
-        plane = data[0].nbytes
+        packs = self._packs(self._levels[0][0])
+        plane = data[0].nbytes * (CORNERS if packs else 1)
         done = 0
         while not self.complete and (max_bytes is None or done < max_bytes):
             count = min(max(SLAB_BYTES // plane, 1), len(data) - self._uploaded)
-            slab = data[self._uploaded : self._uploaded + count]
+            stop = self._uploaded + count
+            slab = packed(data, self._uploaded, stop) if packs else data[self._uploaded : stop]
             x, y = data.shape[2], data.shape[1]
             texture.write(slab, viewport=(0, 0, self._uploaded, x, y, count), alignment=1)
             self._uploaded += count
@@ -144,7 +159,8 @@ class VolumeResources:
         if held is None:
             texels = levels_of(self.volume, *texel_limits(self.gpu, self.volume))[level]
             texture = self._empty_scalars(texels)
-            texture.write(texels.data, alignment=1)
+            data = texels.data
+            texture.write(packed(data, 0, len(data)) if self._packs(texels) else data, alignment=1)
             self.gpu.uploads += 1
             held = self._levels[level] = (texels, texture)
         self.texels, self.scalars = held
@@ -168,7 +184,8 @@ class VolumeResources:
 
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
-            return self.gpu.table_texture(table.texels if length is None else table.per_length(length))
+            texels = table.texels if length is None else table.per_length(length)
+            return self.gpu.segments_texture(texels) if table.gradients is None else self.gpu.table_texture(texels)
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
         return self._cached(self._tables, "table" if length is None else "table per length", key, make)
@@ -209,7 +226,7 @@ class VolumeResources:
             return {
                 "u_table_map": self._lookup(data_range),
                 "u_table_last": float(columns - 1),
-                "u_table_entry": 1.0 / columns,
+                "u_table_segment": 1.0 / (columns - 1),
             }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
         low, high = self.volume.range
@@ -350,9 +367,10 @@ class VolumeResources:
             return layer_name(name, layer) in program.units
 
         program.use_texture("t_scalars", self.scalars, layer)
-        if asked("t_table"):
-            table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
-            program.use_texture("t_table", table, layer)
+        for name in ("t_segments", "t_table"):
+            if asked(name):
+                table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
+                program.use_texture(name, table, layer)
         if "t_scene_depth" in program.units:
             program.use_texture("t_scene_depth", frame.scene_depth)
         if asked("t_preintegrated"):
