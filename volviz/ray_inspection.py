@@ -111,7 +111,8 @@ def inspect_ray(
     Parameters
     ----------
     spec : RenderSpec
-        What is drawn; the colours of a surface play no part.
+        What is drawn; the colours of a surface play no part. Of several layers the ray meets the first one that is
+        seen, as if it were alone.
     view : View
         From where; `clipping_range` is that of the window for a ray in a window.
     pixel : tuple of 2 ints

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.arguments import spec_of
-from volviz.custom_gl.framing import default_camera
+from volviz.custom_gl.framing import default_camera, layers_camera
 from volviz.custom_gl.offscreen import (
     MAX_SIZE,
     apply_camera,
@@ -162,7 +162,7 @@ class Renderer:
         Parameters
         ----------
         volume : Volume, VolumeSource, ImageLayer or sequence of layers
-            What to show; of layers, one may be visible.
+            What to show. Several visible layers are drawn in one ray integral, by techniques that can.
         technique : str, default: "raycast"
             Id of a technique (`volviz.techniques`).
         transfer_function : TransferFunction, optional
@@ -376,9 +376,10 @@ class Renderer:
         if view.camera is None:
             shown = resolve(spec, volumes)
             facing = shown.info.facing(shown.settings) if shown.info.facing else None
-            camera = default_camera(
-                shown.volume, view.size, transfer_function=shown.drawn_function, facing=facing
-            )
+            if facing is not None:
+                camera = default_camera(shown.volume, view.size, facing=facing)
+            else:
+                camera = layers_camera(shown.seen, view.size)
             view = replace(view, camera=camera)
         return view
 

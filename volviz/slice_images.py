@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.arguments import layers_of
+from volviz.custom_gl.layer_set import layer_function
 from volviz.custom_gl.offscreen import checked_dtype, checked_size, finished
-from volviz.custom_gl.resolve import layer_function
 from volviz.errors import InputError
 from volviz.model.layers import ImageLayer, LabelLayer, volume_of
 from volviz.model.slice_plane import SlicePlane, slice_plane

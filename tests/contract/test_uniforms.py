@@ -14,6 +14,7 @@ import pytest
 import volviz
 import volviz.custom_gl
 from tests.render.scenes import function, shown, volume
+from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import MODES
@@ -143,6 +144,18 @@ def draw(technique: str) -> None:
         window.add_mesh(pyvista.Sphere(radius=2.0, center=of.center))
         show(clip_planes=())
         show(footprint="disc")
+        if handle.technique.draws_layers:
+            layers = (
+                volviz.ImageLayer(of, curve), volviz.ImageLayer(of, color="red"),
+                volviz.ImageLayer(volume(np.float32), curve), volviz.ImageLayer(of, curve, mode="mask"),
+            )  # fmt: skip
+            numbers = volviz.Volume((of.array > of.array.mean()).astype(np.uint8))
+            labels = volviz.LabelLayer(numbers)
+            several = [((*layers, labels), {"mode": mode, "shading": True}) for mode, _ in MODES]
+            for shown_layers, values in [*several, ((labels,), {})]:
+                handle.show(spec_of(shown_layers, technique, **values))
+                window.render()
+                handle.raise_error()
         # one that is enlarged beside a mesh is drawn while something moves only
         handle.gpu.programs.get(
             GLSL / "fullscreen.vert", GLSL / "composite.frag", {"ENLARGE": True, "SCENE_DEPTH": True}

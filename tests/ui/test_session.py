@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from tests.ui.conftest import image, is_complete
-from volviz.custom_gl.resolve import layer_function
+from volviz.custom_gl.layer_set import layer_function
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.session import save_session
 from volviz.volume_data.references import VolumeRef

@@ -120,14 +120,9 @@ def test_references_mean_what_was_read_of_them(of: volviz.Volume) -> None:
     [
         (lambda of: (), "no volume to show"),
         (lambda of: (volviz.ImageLayer(of, visible=False),), "all layers are hidden"),
-        (lambda of: 2 * (volviz.ImageLayer(of),), "only one visible layer .* got 2"),
-        (lambda of: (volviz.LabelLayer(of),), "label layers cannot be drawn yet"),
-        (lambda of: (volviz.ImageLayer(of, mode="mask"),), '"mask" acts on another'),
-        (lambda of: (volviz.ImageLayer(of, mode="modulate"),), '"modulate" acts on another'),
-        (
-            lambda of: (volviz.ImageLayer(of, transform=np.eye(4)),),
-            "transform of a layer cannot be drawn yet",
-        ),
+        (lambda of: 17 * (volviz.ImageLayer(of),), "at most 16 layers are drawn together, got 17"),
+        (lambda of: (volviz.ImageLayer(of, mode="mask"),), '"mask" acts on others and shows nothing'),
+        (lambda of: (volviz.ImageLayer(of, mode="modulate"),), '"modulate" acts on others and shows nothing'),
     ],
 )
 def test_layers_that_cannot_be_drawn_yet_are_refused_in_words(
@@ -135,6 +130,57 @@ def test_layers_that_cannot_be_drawn_yet_are_refused_in_words(
 ) -> None:
     with pytest.raises(InputError, match=words):
         resolve(RenderSpec(layers(of)))
+
+
+def test_techniques_for_one_layer_refuse_several(of: volviz.Volume) -> None:
+    layers = 2 * (volviz.ImageLayer(of),)
+    for ident, info in techniques().items():
+        if info.draws_layers:
+            assert len(resolve(RenderSpec(layers, ident)).layers) == 2
+        else:
+            with pytest.raises(InputError, match="draws one layer and 2 are visible; hide the others"):
+                resolve(RenderSpec(layers, ident))
+
+
+def test_layers_are_drawn_in_an_order_of_their_own(of: volviz.Volume) -> None:
+    other = volviz.Volume(of.array + 1, spacing=(2.0, 2.0, 2.0))
+    layers = (
+        volviz.ImageLayer(other, mode="mask"),
+        volviz.ImageLayer(of, color="red"),
+        volviz.ImageLayer(of, color="green"),
+        volviz.ImageLayer(other, visible=False),
+    )
+    one, reverse = (resolve(RenderSpec(given)) for given in (layers, layers[::-1]))
+    assert [(each.volume, each.drawn_function) for each in one.layers] == [
+        (each.volume, each.drawn_function) for each in reverse.layers
+    ]
+    assert one.layers[-1].mode == "mask"
+    assert (one.volume, one.transfer_function.points[0].color) == (of, (1.0, 0.0, 0.0))
+    assert not one.is_one_lattice
+
+
+def test_a_moved_layer_lies_where_its_transform_puts_it(of: volviz.Volume) -> None:
+    turn = np.array(
+        [[0.0, -2.0, 0.0, 5.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, -3.0], [0.0, 0.0, 0.0, 1.0]]
+    )
+    first, second = (resolve(RenderSpec((volviz.ImageLayer(of, transform=turn),))) for _ in range(2))
+    assert first.volume is second.volume
+    np.testing.assert_allclose(first.volume.index_to_world, turn @ of.index_to_world)
+    assert np.shares_memory(first.volume.array, of.array)
+    assert first.transfer_function == resolve(RenderSpec((volviz.ImageLayer(of),))).transfer_function
+
+
+def test_a_crop_box_cuts_layers_on_other_lattices_as_planes(of: volviz.Volume) -> None:
+    layers = (volviz.ImageLayer(of), volviz.ImageLayer(volviz.Volume(of.array)))
+    found = resolve(RenderSpec(layers, clipping=volviz.Clipping((1, 5, 2, 6, 3, 7))))
+    inside, outside = (of.index_to_world @ (*index, 1.0) for index in ((3.0, 4.0, 5.0), (3.0, 4.0, 7.5)))
+
+    def kept(point: Any) -> bool:
+        return all(np.dot(point[:3] - origin, normal) >= 0 for origin, normal in found.drawn_planes)
+
+    assert len(found.drawn_planes) == 6
+    assert kept(inside)
+    assert not kept(outside)
 
 
 def test_what_does_not_fit_is_refused_in_words(of: volviz.Volume) -> None:

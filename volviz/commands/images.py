@@ -4,17 +4,27 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from volviz.commands.inputs import add_input, load_input
+from volviz.commands.layers import (
+    add_layer_option,
+    asks_for_layers,
+    layers_of_options,
+    single_channel,
+)
 from volviz.commands.slices import add_plane_options, asks_for_slice, plane_values, slicing_technique
 from volviz.errors import InputError, VolvizError
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo
+    from volviz.model.camera import Camera
+    from volviz.model.layers import ImageLayer, LabelLayer
+    from volviz.model.render_spec import RenderSpec
     from volviz.model.transfer.function import TransferFunction
     from volviz.volume_data.volume import Volume
 
@@ -30,7 +40,8 @@ def add_commands(commands: Any) -> None:
         help="draw a volume into a picture file",
         description="Draws a volume off-screen into a file.",
     )
-    add_input(parser, optional=True)
+    add_input(parser, optional=True, several_channels=True)
+    add_layer_option(parser)
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
                         " a folder with --all-techniques")  # fmt: skip
     parser.add_argument(
@@ -66,6 +77,10 @@ def run(options: argparse.Namespace) -> int:
 
     size = parse_size(options.size)
     output = Path(options.output).expanduser()
+    if asks_for_layers(options):
+        draw_layers(options, size, output)
+        return 0
+    single_channel(options)
     if not options.all_techniques:
         chosen = slicing_technique(options.technique) if asks_for_slice(options) else options.technique
         info = technique(chosen or DEFAULT_TECHNIQUE)
@@ -74,14 +89,14 @@ def run(options: argparse.Namespace) -> int:
         volume = load_input(options)
         if asks_for_slice(options):
             values |= plane_values(options, volume, info)
-        draw(volume, info, values, transfer_function(options, volume), size, options, output)
+        draw([image_layer(options, volume)], info, values, size, options, output)
         return 0
     if asks_for_slice(options) or options.technique is not None:
         raise InputError(
             "--all-techniques draws with every technique; leave out -t, --plane, --at and --slab."
         )
     volume = load_input(options)
-    function = transfer_function(options, volume)
+    layer = image_layer(options, volume)
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -91,53 +106,68 @@ def run(options: argparse.Namespace) -> int:
     for info in techniques().values():
         if not info.counterpart_of:
             values = parse_values(info, options.values, lenient=True)
-            draw(volume, info, values, function, size, options, output / f"{info.id}.png")
+            draw([layer], info, values, size, options, output / f"{info.id}.png")
     return 0
 
 
+def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
+    """Draw several layers in one image."""
+    from volviz.custom_gl.registry import technique
+
+    if options.all_techniques or asks_for_slice(options):
+        raise InputError("--channel with a look and --layer go with neither --all-techniques nor slices.")
+    info = technique(options.technique or DEFAULT_TECHNIQUE)
+    values = parse_values(info, options.values)
+    check_output(output)
+    draw(layers_of_options(options, transfer_function), info, values, size, options, output)
+
+
 def draw(
-    volume: Volume,
+    layers: Sequence[ImageLayer | LabelLayer],
     info: TechniqueInfo,
     values: dict[str, Any],
-    function: TransferFunction | None,
     size: tuple[int, int],
     options: argparse.Namespace,
     output: Path,
 ) -> None:
     """Draw one image and say where it lies and how long it took."""
-    from dataclasses import replace
-
-    from volviz.custom_gl.framing import default_camera
-    from volviz.custom_gl.technique import drawn_function
-    from volviz.model.parameters import make_settings
-    from volviz.model.transfer.function import TransferFunction
-    from volviz.renderer import render
+    from volviz.custom_gl.arguments import spec_of
+    from volviz.custom_gl.offscreen import background_color
+    from volviz.model.render_spec import View
+    from volviz.renderer import Renderer
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
-    function = function or TransferFunction.auto(volume)
-    own = {p.name: values[p.name] for p in info.parameters if p.name in values}
-    settings = make_settings(info.settings, own, owner=info.id)
-    shown = drawn_function(info, settings, function)
-    facing = info.facing(settings) if info.facing is not None else None
-    camera = default_camera(volume, size, options.azimuth, options.elevation, shown, facing)
-    camera = replace(
+    spec = spec_of(layers, info.id, classic=options.classic, **values)
+    transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
+    background = "black" if options.background.lower() == "none" else options.background
+    camera = turned_camera(spec, size, options)
+    begin = time.perf_counter()
+    with Renderer(size) as renderer:
+        view = View(camera, size, None if transparent else background_color(background))
+        image = renderer.draw(spec, view, dtype="float32" if output.suffix.lower() == ".npy" else "uint8")
+    seconds = time.perf_counter() - begin
+    save_image(image, output)
+    print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
+
+
+def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:
+    """The camera that the options ask for, around what is visible."""
+    from volviz.custom_gl.framing import default_camera, layers_camera
+    from volviz.custom_gl.resolve import resolve
+
+    shown = resolve(spec)
+    facing = shown.info.facing(shown.settings) if shown.info.facing is not None else None
+    if facing is not None:
+        camera = default_camera(shown.volume, size, options.azimuth, options.elevation, facing=facing)
+    else:
+        camera = layers_camera(shown.seen, size, options.azimuth, options.elevation)
+    return replace(
         camera,
         view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),
         parallel=options.parallel or camera.parallel,
         parallel_scale=camera.parallel_scale and camera.parallel_scale / options.zoom,
     )
-    transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
-    begin = time.perf_counter()
-    image = render(
-        volume, info.id, transfer_function=function, size=size, camera=camera,
-        background=None if transparent else ("black" if options.background.lower() == "none" else options.background),
-        dtype="float32" if output.suffix.lower() == ".npy" else "uint8",
-        classic=options.classic, **values,
-    )  # fmt: skip
-    seconds = time.perf_counter() - begin
-    save_image(image, output)
-    print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -178,6 +208,13 @@ def parse_values(info: TechniqueInfo, texts: Iterable[str], *, lenient: bool = F
         elif not lenient:
             raise InputError(unknown_setting(info.id, name, list(known)))
     return values
+
+
+def image_layer(options: argparse.Namespace, volume: Volume) -> ImageLayer:
+    """A volume with the function that the options name."""
+    from volviz.model.layers import ImageLayer
+
+    return ImageLayer(volume, transfer_function(options, volume))
 
 
 def transfer_function(options: argparse.Namespace, volume: Volume) -> TransferFunction | None:

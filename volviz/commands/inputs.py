@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING, Any
 from volviz.errors import InputError
 
 if TYPE_CHECKING:
+    from volviz.commands.progress import ProgressLine
+    from volviz.volume_data.source import VolumeSource
     from volviz.volume_data.volume import Volume
 
 
-def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
-    """FILE and the hints for reading it."""
+def add_input(
+    parser: argparse.ArgumentParser, *, optional: bool = False, several_channels: bool = False
+) -> None:
+    """FILE and the hints for reading it; with several channels each may have a look."""
     parser.add_argument(
         "file", metavar="FILE", nargs="?" if optional else None,
         help="a volume file, a folder of DICOM slices, or sample:NAME",
@@ -24,8 +28,17 @@ def add_input(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
     hints.add_argument("--header", type=int, help="bytes before the first raw value")
     hints.add_argument("--spacing", metavar="X,Y,Z", help="distance of voxels, instead of the file's")
     hints.add_argument("--time", type=int, help="time point, from 0")
-    hints.add_argument("--channel", type=int, help="channel, from 0")
-    hints.add_argument("--series", help="series of a DICOM folder or TIFF file")
+    if several_channels:
+        hints.add_argument(
+            "--channel", action="append", default=[], metavar="CHANNEL[:LOOK]",
+            help="channel, from 0, or its name; with a colour, colour map or preset, or more than once: channels drawn "
+            "together",
+        )  # fmt: skip
+    else:
+        hints.add_argument(
+            "--channel", metavar="CHANNEL", type=number_or_name, help="channel, from 0, or its name"
+        )
+    hints.add_argument("--series", type=number_or_name, help="series of a DICOM folder or TIFF file")
 
 
 def hints_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -42,12 +55,32 @@ def hints_of(options: argparse.Namespace) -> dict[str, Any]:
     return hints
 
 
-def numbers(text: str, name: str, kind: type[int | float]) -> tuple[Any, ...]:
-    """Numbers separated by commas or x."""
+def numbers(text: str, name: str, kind: type[int | float], count: int = 3) -> tuple[Any, ...]:
+    """So many numbers separated by commas or x."""
     try:
-        return tuple(kind(part) for part in text.lower().replace("x", ",").split(","))
+        found = tuple(kind(part) for part in text.lower().replace("x", ",").split(","))
+        if len(found) != count:
+            raise ValueError
     except ValueError:
-        raise InputError(f"--{name} takes three numbers such as 256,256,128, got {text!r}.") from None
+        words = {3: "three", 6: "six"}[count]
+        example = "256,256,128" if count == 3 else "0,256,0,256,10,40"
+        raise InputError(f"--{name} takes {words} numbers such as {example}, got {text!r}.") from None
+    return found
+
+
+def part_of(options: argparse.Namespace) -> dict[str, Any]:
+    """The time point and channel that were chosen, as keywords of `volviz.save`."""
+    return {
+        name: getattr(options, name) for name in ("time", "channel") if getattr(options, name) is not None
+    }
+
+
+def open_input(options: argparse.Namespace, line: ProgressLine | None = None) -> VolumeSource:
+    """The source that FILE names, with the other hints; see `part_of` for time point and channel."""
+    from volviz.io import open as open_source
+
+    hints = {name: hint for name, hint in hints_of(options).items() if name not in ("time", "channel")}
+    return open_source(source_of(options), progress=None if line is None else line.show, **hints)
 
 
 def load_input(options: argparse.Namespace) -> Volume:
@@ -55,6 +88,11 @@ def load_input(options: argparse.Namespace) -> Volume:
     from volviz.io import load
 
     return load(source_of(options), **hints_of(options))
+
+
+def number_or_name(text: str) -> int | str:
+    """What is all digits is a number, anything else a name."""
+    return int(text) if text.isascii() and text.isdigit() else text
 
 
 def source_of(options: argparse.Namespace) -> str:

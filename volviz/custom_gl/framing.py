@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -66,6 +67,24 @@ def default_camera(
         scale = max(upwards, across * size[1] / size[0]) / (2 * FILL)
         return replace(camera, parallel=True, parallel_scale=scale)
     points = volume.corners if transfer_function is None else visible_points(volume, transfer_function)
+    return camera_around(points, size, azimuth, elevation)
+
+
+def layers_camera(
+    layers: Iterable[tuple[Volume, TransferFunction]],
+    size: tuple[int, int],
+    azimuth: float = 0.0,
+    elevation: float = 0.0,
+) -> Camera:
+    """The same for what the functions of several volumes show."""
+    points = np.concatenate([visible_points(volume, function) for volume, function in layers])
+    return camera_around(points, size, azimuth, elevation)
+
+
+def camera_around(
+    points: npt.NDArray[np.float64], size: tuple[int, int], azimuth: float, elevation: float
+) -> Camera:
+    """The same for world positions, shape (N, 3)."""
     turned = Camera.fit(points).turned(AZIMUTH + azimuth, ELEVATION + elevation)
     return Camera.fit(points, direction=turned.direction, view_up=turned.view_up, aspect=size[0] / size[1])
 

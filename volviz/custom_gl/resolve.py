@@ -6,18 +6,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.lattices import crop_planes, is_same_lattice, joint_crop
+from volviz.custom_gl.layer_set import (
+    ResolvedLabels,
+    ResolvedLayer,
+    resolved_labels,
+    resolved_layer,
+    visible_layers,
+)
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.settings import CommonSettings, common_settings
-from volviz.custom_gl.technique import TechniqueInfo, drawn_function, surface_settings
+from volviz.custom_gl.technique import TechniqueInfo, surface_settings
 from volviz.errors import InputError
 from volviz.kernels.slices import crop_corners
-from volviz.model.clipping import Clipping, Crop
-from volviz.model.layers import ImageLayer, LabelLayer, volume_of
+from volviz.model.clipping import Clipping, Crop, Plane
+from volviz.model.layers import LabelLayer
 from volviz.model.light import Light, default_position
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
@@ -35,8 +42,6 @@ _KINDS: dict[str, tuple[type[Any], str]] = {
     "light": (Light, "or give light_position, light_color and headlight by themselves"),
     "clipping": (Clipping, "or give crop and clip_planes by themselves"),
 }
-
-_auto_functions: WeakKeyDictionary[Volume, TransferFunction] = WeakKeyDictionary()
 
 
 def check_kinds(**values: Any) -> None:
@@ -63,8 +68,12 @@ class ResolvedSpec:
     ----------
     spec : RenderSpec
         What was asked for.
+    layers : tuple of ResolvedLayer
+        The image layers that are drawn, in an order that does not depend on the one in which they were given.
+    labels : tuple of ResolvedLabels
+        The layers of labels that are drawn, likewise.
     volume : Volume
-        The data of the layer that is drawn.
+        The data of the first layer that is seen, which the crop box, panels and pickers mean.
     info : TechniqueInfo
         The technique.
     settings : object
@@ -76,7 +85,7 @@ class ResolvedSpec:
     crop : tuple of 6 floats
         Box that is shown, in continuous voxel indices (i0, i1, j0, j1, k0, k1), within the volume.
     transfer_function : TransferFunction
-        In data units.
+        Of the same layer, in data units.
     drawn_function : TransferFunction
         The same without regions that the technique does not draw. Uploads are keyed by its identity: an equal one
         stays the same object (`keeping`).
@@ -85,6 +94,8 @@ class ResolvedSpec:
     """
 
     spec: RenderSpec
+    layers: tuple[ResolvedLayer, ...]
+    labels: tuple[ResolvedLabels, ...]
     volume: Volume
     info: TechniqueInfo
     settings: Any
@@ -113,18 +124,71 @@ class ResolvedSpec:
     @property
     def unit_distance(self) -> float:
         """Length of ray to which the opacities of the transfer function refer, in world units."""
+        return self.unit_distance_of(self.volume)
+
+    def unit_distance_of(self, volume: Volume) -> float:
+        """The same for the function of another layer."""
         chosen = self.common.opacity_unit_distance
-        return self.volume.mean_spacing if chosen is None else float(chosen)
+        return volume.mean_spacing if chosen is None else float(chosen)
+
+    @property
+    def volumes(self) -> tuple[Volume, ...]:
+        """The data of all layers that are drawn; rays are given in texture coordinates of the first one."""
+        return tuple(layer.volume for layer in self.all_layers)
+
+    @property
+    def all_layers(self) -> tuple[ResolvedLayer | ResolvedLabels, ...]:
+        """Image layers, then those of labels."""
+        return (*self.layers, *self.labels)
+
+    @property
+    def is_joint(self) -> bool:
+        """Whether several layers, or labels, are drawn in one integral."""
+        return len(self.layers) > 1 or bool(self.labels)
+
+    @property
+    def seen(self) -> list[tuple[Volume, TransferFunction]]:
+        """Data of each layer that is seen, and the function that shows it."""
+        images = [(layer.volume, layer.drawn_function) for layer in self.layers if layer.mode == "add"]
+        return images + [(layer.volume, layer.FUNCTION) for layer in self.labels if layer.mode == "add"]
+
+    @cached_property
+    def is_one_lattice(self) -> bool:
+        """Whether the voxels of all layers lie in the same places."""
+        return all(is_same_lattice(self.volume, volume) for volume in self.volumes)
+
+    @cached_property
+    def drawn_crop(self) -> Crop:
+        """Box around what is shown, in continuous voxel indices of the first volume that is drawn."""
+        return self.crop if self.is_one_lattice else joint_crop(self.volumes)
+
+    @cached_property
+    def drawn_planes(self) -> tuple[Plane, ...]:
+        """Clip planes, with the faces of the crop box where layers lie on several lattices."""
+        if self.is_one_lattice or self.clipping.crop is None:
+            return self.clipping.planes
+        return self.clipping.planes + crop_planes(self.volume, self.crop)
 
     @cached_property
     def box_corners(self) -> npt.NDArray[np.float64]:
-        """World corners of the cropped box, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
-        return crop_corners(self.volume.index_to_world, self.crop, self.volume.dimensions)
+        """World corners of the box around what is shown, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
+        first = self.volumes[0]
+        return crop_corners(first.index_to_world, self.drawn_crop, first.dimensions)
 
     @property
     def notice(self) -> str:
         """A sentence on what of the settings cannot be drawn together; empty when nothing."""
-        if self.drawn_function.by_gradient is None or not self.common.preintegrated:
+        hidden = any(
+            isinstance(layer, LabelLayer) and layer.visible and layer.mode == "add"
+            for layer in self.spec.layers
+        )
+        if hidden and self.common.mode != "composite":
+            return "Labels are surfaces and are seen by compositing only."
+        if not self.common.preintegrated:
+            return ""
+        if self.is_joint:
+            return "Several layers are drawn without pre-integration."
+        if self.drawn_function.by_gradient is None:
             return ""
         return "Regions over value and gradient are drawn without pre-integration."
 
@@ -137,10 +201,19 @@ class ResolvedSpec:
         )
 
     def keeping(self, before: ResolvedSpec) -> ResolvedSpec:
-        """The same, with the function of an earlier one where that is drawn alike, so that it need not be uploaded."""
-        if self.drawn_function is before.drawn_function or self.drawn_function != before.drawn_function:
+        """The same, with the functions of an earlier one where they are drawn alike: those need not be uploaded."""
+        layers = tuple(layer.keeping(before.layers) for layer in self.layers)
+        if all(kept is layer for kept, layer in zip(layers, self.layers, strict=True)):
             return self
-        return replace(self, drawn_function=before.drawn_function)
+        drawn = next(
+            (
+                kept.drawn_function
+                for kept, layer in zip(layers, self.layers, strict=True)
+                if layer.drawn_function is self.drawn_function
+            ),
+            self.drawn_function,
+        )
+        return replace(self, layers=layers, drawn_function=drawn)
 
 
 def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
@@ -158,28 +231,32 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
     InputError
         A value of the wrong kind, a crop box that leaves nothing, or layers that no technique draws yet.
     """
-    layer = drawn_layer(spec)
-    volume = volume_of(layer, volumes or {})
-    low, high = volume.range
-    if not np.isfinite(high - low):
-        raise InputError(
-            f"{volume.name}: its values reach from {low:.3g} to {high:.3g}, farther than 64-bit numbers count; "
-            "divide them by 10 first."
-        )
-    check_kinds(transfer_function=layer.transfer_function, light=spec.light, clipping=spec.clipping)
     info = technique_info(spec.technique)
     settings = settings_of(spec)
-    function = layer_function(layer, volume).resolved(volume.range)
+    common = common_settings(settings)
+    seen, seen_labels = visible_layers(spec.layers, info, common.mode)
+    for layer in seen:
+        check_kinds(transfer_function=layer.transfer_function)
+    check_kinds(light=spec.light, clipping=spec.clipping)
+    layers = [resolved_layer(layer, volumes or {}, info, settings) for layer in seen]
+    labels = [resolved_labels(layer, volumes or {}) for layer in seen_labels]
+    first = next((layer for layer in layers if layer.mode == "add"), None)
+    drawn: list[ResolvedLayer | ResolvedLabels] = [*layers, *labels]
+    volume = next(layer.volume for layer in drawn if layer.mode == "add")
+    corners = np.concatenate([layer.volume.corners for layer in drawn])
+    (x0, y0, z0), (x1, y1, z1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     return ResolvedSpec(
         spec=spec,
+        layers=tuple(sorted(layers, key=lambda layer: layer.place_in_order)),
+        labels=tuple(sorted(labels, key=lambda layer: layer.place_in_order)),
         volume=volume,
         info=info,
         settings=settings,
-        common=common_settings(settings),
-        light_position=spec.light.position or default_position(volume.bounds),
+        common=common,
+        light_position=spec.light.position or default_position((x0, x1, y0, y1, z0, z1)),
         crop=spec.clipping.crop_within(volume.dimensions),
-        transfer_function=function,
-        drawn_function=drawn_function(info, settings, function),
+        transfer_function=ResolvedLabels.FUNCTION if first is None else first.transfer_function,
+        drawn_function=ResolvedLabels.FUNCTION if first is None else first.drawn_function,
         surface_colors=checked_surface_colors(info, spec.surface_colors),
     )
 
@@ -220,55 +297,3 @@ def checked_surface_colors(info: TechniqueInfo, colors: Any) -> SurfaceColors | 
             "volviz.compare.distance_colors.colors_of measures distances."
         )
     return colors
-
-
-# ---------------------------------------------------------------------------------------- layers
-
-
-def drawn_layer(spec: RenderSpec) -> ImageLayer:
-    """The one layer of a spec that is drawn.
-
-    Raises
-    ------
-    InputError
-        None is visible, or what is visible cannot be drawn yet.
-    """
-    seen = [layer for layer in spec.layers if layer.visible]
-    if not spec.layers:
-        raise InputError("there is no volume to show: give a volviz.Volume.")
-    if not seen:
-        raise InputError("all layers are hidden; make one visible.")
-    if len(seen) > 1:
-        raise InputError(
-            f"only one visible layer can be drawn at a time, got {len(seen)}; set visible=False on the others."
-        )
-    layer = seen[0]
-    if isinstance(layer, LabelLayer):
-        raise InputError("label layers cannot be drawn yet; show the labels as an ImageLayer.")
-    if layer.mode != "add":
-        raise InputError(
-            f'a layer of the mode "{layer.mode}" acts on another one, and only one layer can be drawn; use "add".'
-        )
-    if layer.transform is not None:
-        raise InputError(
-            "a transform of a layer cannot be drawn yet; give its volume another origin, spacing and direction."
-        )
-    return layer
-
-
-def layer_function(layer: ImageLayer, volume: Volume) -> TransferFunction:
-    """The transfer function of a layer: its own, one from its colour and window, or one made from the data.
-
-    A colour (white where there is only a window) fades in over the window (the range of the data where there is only
-    a colour).
-    """
-    function = layer.transfer_function
-    if function is None and (layer.color is not None or layer.window is not None):
-        color = layer.color or (1.0, 1.0, 1.0)
-        low, high = layer.window or volume.range
-        function = TransferFunction.from_points([(low, (*color, 0.0)), (high, (*color, 1.0))])
-    if function is None:
-        function = _auto_functions.get(volume)
-        if function is None:
-            function = _auto_functions[volume] = TransferFunction.auto(volume)
-    return function if layer.opacity == 1.0 else function.with_opacity(function.opacity * layer.opacity)

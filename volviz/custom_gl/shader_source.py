@@ -9,15 +9,22 @@ A file with the line ``#pragma per_layer`` belongs to one volume. ``#include "la
 files of this kind that it includes, once more with ``_1`` after every name that they declare: samplers, uniforms,
 functions, structs, variables and macros (fields of structs keep theirs, and must not be called like one of these). So
 two volumes stand in one loop. Layer 0 keeps the names as they are written. A hook of layer 1 is looked for as
-``hook_1`` first.
+``hook_1`` first, and so is a define: where the caller gives ``MODE_1``, ``MODE`` in the text of layer 1 means that.
+
+Lines between ``#pragma each_layer`` and ``#pragma end`` stand there once for each layer (the define ``LAYERS`` says how
+many there are, 1 unless it is given), as text of that layer: names of its files get its number, and the word ``LAYER``
+becomes the number itself. ``#pragma each_label`` is the same for layers of labels (``LABELS``, 0 unless it is given),
+which are counted on from those, and ``#pragma each_lattice`` for the layers that stand for a lattice: those whose
+define ``LATTICE`` is their own number.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import takewhile
 from pathlib import Path
 
 from volviz.errors import ShaderError
@@ -27,6 +34,7 @@ VERSION = "#version 330 core"
 
 #: Files of the hooks that need not be chosen.
 DEFAULT_HOOKS = {
+    "march": "march.glsl",
     "fetch": "fetch/texture.glsl",
     "classify": "classify/curve.glsl",
     "shade": "shade/unlit.glsl",
@@ -35,6 +43,9 @@ DEFAULT_HOOKS = {
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)(?:\s+LAYER(\d+))?\s*$')
 _PER_LAYER = re.compile(r"^\s*#\s*pragma\s+per_layer\s*$")
+_EACH = re.compile(r"^\s*#\s*pragma\s+each_(layer|label|lattice)\s*$")
+_END = re.compile(r"^\s*#\s*pragma\s+end\s*$")
+_OF_LAYER = re.compile(r"^(\w+?)_(\d+)$")
 _DECLARED = re.compile(
     r"^\s*(?:#\s*define\s+(\w+)|struct\s+(\w+)|(?:uniform\s+|const\s+)?\w+\s+(\w+)\s*[\[;=(,])"
 )
@@ -112,7 +123,7 @@ def assemble(
         if not _NAME.match(name):
             raise ShaderError(f"a shader define is written in UPPER_CASE, got {name!r} for {path.name}.")
         out.append(f"#define {name} {int(value) if isinstance(value, bool) else value}")
-    assembly = _Assembly(out, DEFAULT_HOOKS | dict(hooks or {}), overrides or {})
+    assembly = _Assembly(out, DEFAULT_HOOKS | dict(hooks or {}), overrides or {}, defines)
     assembly.insert(path, 0)
     return ShaderText("\n".join(out) + "\n", tuple(assembly.files))
 
@@ -127,7 +138,11 @@ class _Assembly:
     """
 
     def __init__(
-        self, out: list[str], hooks: Mapping[str, str | Path], overrides: Mapping[Path, str]
+        self,
+        out: list[str],
+        hooks: Mapping[str, str | Path],
+        overrides: Mapping[Path, str],
+        defines: Mapping[str, object],
     ) -> None:
         self.files: list[Path] = []
         self._out = out
@@ -135,6 +150,17 @@ class _Assembly:
         self._overrides = overrides
         self._included: set[tuple[Path, int]] = set()
         self._names: dict[int, set[str]] = {}
+        for name in defines:
+            match = _OF_LAYER.match(name)
+            if match:
+                self._names.setdefault(int(match[2]), set()).add(match[1])
+        layers, labels = (int(str(defines.get(*count))) for count in (("LAYERS", 1), ("LABELS", 0)))
+        all_layers = range(layers + labels)
+        self._numbers: dict[str, Sequence[int]] = {
+            "layer": all_layers[:layers],
+            "label": all_layers[layers:],
+            "lattice": [n for n in all_layers if int(str(defines.get(layer_name("LATTICE", n), n))) == n],
+        }
 
     def insert(self, path: Path, layer: int) -> None:
         """Append a file and what it includes; names of a layer other than 0 get its number."""
@@ -142,27 +168,45 @@ class _Assembly:
         self.files.append(path)
         self._included.add((path, layer))
         self._out.append(f"#line 1 {number}")
-        for line_number, line in enumerate(self._lines(path), start=1):
-            if line.lstrip().startswith("#version"):
-                raise ShaderError(
-                    f"{path.name}, line {line_number}: shader files have no #version line, it is added.",
-                    file=path.name,
-                    line=line_number,
-                )
-            match = _INCLUDE.match(line)
-            if not match:
-                # the compiler warns of pragmas that it does not know
-                self._out.append("" if _PER_LAYER.match(line) else self._of_layer(line, layer))
+        lines = list(enumerate(self._lines(path), start=1))
+        while lines:
+            line_number, line = lines.pop(0)
+            each = _EACH.match(line)
+            if not each:
+                self._insert_line(path, number, line_number, line, layer)
                 continue
-            included = self._find(path, line_number, match, layer)
-            inner = int(match[3] or layer) if self._is_per_layer(included) else 0
-            if inner and not layer:
-                self._collect_names(included, inner, set())
-            if (included, inner) in self._included:
-                self._out.append("")
-            else:
-                self.insert(included, inner)
+            block = list(takewhile(lambda numbered: not _END.match(numbered[1]), lines))
+            del lines[: len(block) + 1]
+            for n in self._numbers[each[1]]:
                 self._out.append(f"#line {line_number + 1} {number}")
+                for inner_number, inner_line in block:
+                    self._insert_line(path, number, inner_number, inner_line, n, repeated=True)
+            self._out.append(f"#line {line_number + len(block) + 2} {number}")
+
+    def _insert_line(
+        self, path: Path, number: int, line_number: int, line: str, layer: int, *, repeated: bool = False
+    ) -> None:
+        """Append a line of a file as text of a layer; `repeated`: it stands there for each of them."""
+        if line.lstrip().startswith("#version"):
+            raise ShaderError(
+                f"{path.name}, line {line_number}: shader files have no #version line, it is added.",
+                file=path.name,
+                line=line_number,
+            )
+        match = _INCLUDE.match(line)
+        if not match:
+            # the compiler warns of pragmas that it does not know
+            self._out.append("" if _PER_LAYER.match(line) else self._of_layer(line, layer))
+            return
+        included = self._find(path, line_number, match, layer)
+        inner = int(match[3] or layer) if self._is_per_layer(included) else 0
+        if inner and (repeated or not layer):
+            self._collect_names(included, inner, set())
+        if (included, inner) in self._included:
+            self._out.append("")
+        else:
+            self.insert(included, inner)
+            self._out.append(f"#line {line_number + 1} {number}")
 
     def _lines(self, path: Path) -> tuple[str, ...]:
         if path in self._overrides:
@@ -178,9 +222,13 @@ class _Assembly:
     def _of_layer(self, line: str, layer: int) -> str:
         """A line with the layer's number after the names that belong to it; fields of structs have none."""
         names = self._names.get(layer, ())
-        return re.sub(
-            r"(?<![.\w])[A-Za-z_]\w*", lambda m: layer_name(m[0], layer) if m[0] in names else m[0], line
-        )
+
+        def named(match: re.Match[str]) -> str:
+            if match[0] == "LAYER":
+                return str(layer)
+            return layer_name(match[0], layer) if match[0] in names else match[0]
+
+        return re.sub(r"(?<![.\w])[A-Za-z_]\w*", named, line)
 
     def _collect_names(self, path: Path, layer: int, seen: set[Path]) -> None:
         """Learn which names a file, and those of the same layer that it includes, declare outside of functions."""

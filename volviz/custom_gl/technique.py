@@ -23,12 +23,15 @@ from volviz.model.parameters import Cost, Parameter, parameters_of, setting_valu
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.context import Gpu
+    from volviz.custom_gl.gpu.layer_resources import LayerResources
     from volviz.custom_gl.gpu.programs import Program
     from volviz.custom_gl.gpu.resources import VolumeResources
     from volviz.custom_gl.gpu.targets import Target
     from volviz.custom_gl.oracles import OracleScene
     from volviz.custom_gl.picking import Picked, Sight
     from volviz.custom_gl.study import Study
+    from volviz.model.label_palette import ShownLabels
+    from volviz.model.layers import LayerMode
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer.function import TransferFunction
     from volviz.tasks import Tasks
@@ -100,6 +103,8 @@ class TechniqueInfo:
         shape (H, W, 4), row 0 at the top.
     is_oracle : bool
         It is an oracle itself: its frame times say nothing, and everything is compared with it.
+    draws_layers : bool
+        It draws several layers in one ray integral (`Frame.layers`).
     samples_rays : bool
         It gathers samples along rays, or in slices across them, as `volviz.reference.ray_profile` does with its
         settings.
@@ -133,6 +138,7 @@ class TechniqueInfo:
     study: Callable[[Volume], Study | None] | None = None
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False
+    draws_layers: bool = False
     samples_rays: bool = False
     view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 
@@ -291,6 +297,18 @@ class Frame:
     surface_colors : SurfaceColors or None
         Values of the surface that are to be seen instead of its own colours, where the technique can
         (`TechniqueInfo.colors_surface`).
+    layers : tuple of Frame
+        Where several layers are drawn in one integral, or labels, each as if it were alone, the first one like this
+        frame, image layers before labels; empty where one volume is drawn. Their places in shaders are those in this
+        tuple (`volviz.custom_gl.shader_source`).
+    joint : LayerResources or None
+        Textures that several layers share.
+    mode : {"add", "mask", "modulate"}
+        How the volume joins other layers (`volviz.ImageLayer`).
+    labels : ShownLabels or None
+        Of a layer of labels, how it is drawn.
+    joined_to : Frame or None
+        Of one of several layers, the frame of all: it says the step and from where surfaces are seen.
     """
 
     gpu: Gpu
@@ -319,6 +337,16 @@ class Frame:
     uniforms: dict[str, Any]
     tasks: Tasks
     surface_colors: SurfaceColors | None = None
+    layers: tuple[Frame, ...] = ()
+    joint: LayerResources | None = None
+    mode: LayerMode = "add"
+    labels: ShownLabels | None = None
+    joined_to: Frame | None = None
+
+    @property
+    def center(self) -> Matrix:
+        """World position that centred coordinates count from: the middle of the volume."""
+        return np.asarray(self.volume.center if self.joined_to is None else self.joined_to.center)
 
     @property
     def box_corners(self) -> Matrix:
@@ -345,15 +373,17 @@ class Frame:
         return np.asarray(self.camera.view_projection @ self.texture_to_world)
 
     def recentred(self, to_world: Matrix) -> Matrix:
-        """A 4 x 4 matrix to the world as one to centred coordinates: world units from the middle of the volume."""
+        """A 4 x 4 matrix to the world as one to centred coordinates: world units from `center`."""
         moved = to_world.copy()
         # in float64, before shaders round to float32
-        moved[:3, 3] -= self.volume.center
+        moved[:3, 3] -= self.center
         return moved
 
     @cached_property
     def viewpoint(self) -> Matrix:
         """World position from which surfaces are seen; far behind the view for parallel projection."""
+        if self.joined_to is not None:
+            return self.joined_to.viewpoint
         if not self.camera.parallel:
             return self.camera.eye
         extent = float(np.linalg.norm(self.volume.extent))
@@ -366,8 +396,11 @@ class Frame:
 
     @property
     def step_world(self) -> float:
-        """Distance between samples in world units (settings that have a ``step``)."""
-        return float(self.common.step) * min(self.volume.spacing) * self.step_scale
+        """Distance between samples in world units (settings that have a ``step``): that of the finest layer."""
+        if self.joined_to is not None:
+            return self.joined_to.step_world
+        finest = min(min(each.volume.spacing) for each in (self, *self.layers))
+        return float(self.common.step) * finest * self.step_scale
 
     def program(
         self,
@@ -426,8 +459,13 @@ class Frame:
         """Set every shared uniform that the program has and bind the shared textures to their units."""
         # uniforms stay with the program, bindings do not survive what VTK draws between two chunks
         if program.is_taken_over(self):
+            for number, layer in enumerate(self.layers):
+                program.set(layer.uniforms, number)
             program.set(self.uniforms)
-        self.resources.bind(program, self, table_length)
+        if self.joint is not None:
+            self.joint.bind(program, self)
+        else:
+            self.resources.bind(program, self, table_length)
 
 
 @runtime_checkable

@@ -5,7 +5,8 @@ component, anew in every turn of a loop, and as expensive as a fetch from a text
 makes). A value that the vertex shader hands on without interpolation is read once for all eight. Where OpenGL is
 computed in software, `forward_uniforms` therefore rewrites the two stages of a program: what the fragment shader
 declares as uniform is declared by the vertex shader, packed into ``flat`` outputs, and a macro of the uniform's name
-unpacks it. Shader files know nothing of it. Arrays and samplers stay uniforms.
+unpacks it. Shader files know nothing of it. Arrays and samplers stay uniforms, and so do the widest ones (matrices,
+which most shaders read once) where there are more than the stages can exchange.
 """
 
 from __future__ import annotations
@@ -30,6 +31,10 @@ _VECTORS = {
     "vec4": (4, "{0}"),
 }
 _MATRICES = {"mat3": 3, "mat4": 4}
+
+#: Groups of four components that are carried; OpenGL exchanges at least 32 between the stages, and those of the shader
+#: itself are among them. Mesa does not refuse more, it crashes.
+MOST_CARRIED = 30
 
 
 @dataclass
@@ -56,11 +61,15 @@ class _Varying:
 def forward_uniforms(vertex: ShaderText, fragment: ShaderText) -> tuple[ShaderText, ShaderText]:
     """The same two stages with the fragment shader's uniforms carried; lines keep their numbers."""
     lines = fragment.text.split("\n")
-    forwarded: dict[str, str] = {}
-    for number, line in enumerate(lines):
+    found: dict[str, str] = {}
+    for line in lines:
         match = _DECLARATION.match(line)
         if match and (match[1] in _VECTORS or match[1] in _MATRICES):
-            forwarded[match[2]] = match[1]
+            found[match[2]] = match[1]
+    forwarded = _carried(found)
+    for number, line in enumerate(lines):
+        match = _DECLARATION.match(line)
+        if match and match[2] in forwarded:
             lines[number] = line[match.end() :]
     varyings: list[_Varying] = []
     macros = [f"#define {name} {_loaded(kind, name, varyings)}" for name, kind in _widest_first(forwarded)]
@@ -73,6 +82,25 @@ def forward_uniforms(vertex: ShaderText, fragment: ShaderText) -> tuple[ShaderTe
         ShaderText(_headed(_MAIN.sub(r"\1own_main\2", vertex.text), outputs) + load + "\n", vertex.files),
         ShaderText(_headed("\n".join(lines), [*inputs, *macros]), fragment.files),
     )
+
+
+def _carried(found: dict[str, str]) -> dict[str, str]:
+    """As many of the uniforms as can be carried, narrow ones first, in their own order."""
+    left = 4 * MOST_CARRIED
+    chosen = set()
+    for name, kind in sorted(found.items(), key=lambda entry: _components(entry[1])):
+        # a column of three components takes the room of four, unless a single one fills it
+        left -= (
+            4 * _MATRICES[kind] if kind in _MATRICES else 4 if _VECTORS[kind][0] == 3 else _VECTORS[kind][0]
+        )
+        if left < 0:
+            break
+        chosen.add(name)
+    return {name: kind for name, kind in found.items() if name in chosen}
+
+
+def _components(kind: str) -> int:
+    return _MATRICES[kind] ** 2 if kind in _MATRICES else _VECTORS[kind][0]
 
 
 def _widest_first(forwarded: dict[str, str]) -> list[tuple[str, str]]:

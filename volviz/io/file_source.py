@@ -140,7 +140,8 @@ def file_source(
     sizes = dict(zip(axes, (int(n) for n in shape), strict=True))
     letter = "C" if "C" in sizes else "S"
     count, time_count = (n if n is not None and n > 1 else None for n in (sizes.get(letter), sizes.get("T")))
-    if letter == "S" and are_colours(axes, tuple(shape), dtype, colour):
+    is_colour = letter == "S" and are_colours(axes, tuple(shape), dtype, colour)
+    if is_colour:
         channels = _COLOURS[:count]
     dimensions = sizes["X"], sizes["Y"], sizes.get("Z", 1)
     shear = shear_of(np.asarray(geometry.direction, np.float64).reshape(3, 3))
@@ -168,6 +169,7 @@ def file_source(
         channels=tuple(channels) if len(channels) == (count or 1) else (),
         is_labels=is_labels,
         labels=tuple(labels),
+        is_colour=is_colour,
         name=called,
         unit=unit if hints.unit is None else hints.unit,
         length_unit=length_unit,

@@ -72,7 +72,7 @@ def load(
     *,
     level: int = 0,
     time: int | None = None,
-    channel: int | None = None,
+    channel: int | str | None = None,
     box: Sequence[int] | None = None,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
@@ -85,8 +85,8 @@ def load(
     path, **hints
         As for `open`.
     level, time, channel : int, optional
-        Which part of a larger file, counted from 0; default: the finest level, the first time point, and the
-        first channel or the brightness of colours.
+        Which part of a larger file, counted from 0 (a channel by its name, too); default: the finest level, the
+        first time point, and the first channel or the brightness of colours.
     box : sequence of 6 ints, optional
         Voxels (i0, i1, j0, j1, k0, k1) to read, those of i1, j1 and k1 no more.
     progress : callable(fraction, text), optional

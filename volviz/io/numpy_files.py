@@ -29,20 +29,19 @@ def sniff(head: bytes, _path: Path) -> bool:
 
 
 def open_source(request: LoadRequest) -> FileSource:
-    """What the header says; arrays of four axes hold time points or colours.
+    """What the header says; arrays of four axes hold time points or colours, of five time points and channels.
 
-    The last axis of a 4D array is taken for colours when it has 3 or 4 entries of 8 bits, otherwise the first
-    axis is time.
+    The last axis of more than three is taken for colours when it has 3 or 4 entries of 8 bits; the first axis is
+    time, the second of five the channel.
     """
     shape, fortran, dtype, offset = _header(request)
     if dtype.hasobject or dtype.kind not in "buifc":
         raise request.error(f"values of type {dtype} cannot be shown; save it as integers or real numbers.")
     rank = len(shape)
-    if rank not in (3, 4):
+    if rank not in (3, 4, 5):
         raise request.error(f"the array has {rank} axes; save it with the three axes z, y, x.")
-    axes = "ZYX"
-    if rank == 4:
-        axes = "ZYXS" if shape[-1] in (3, 4) and dtype == np.uint8 else "TZYX"
+    colours = rank > 3 and shape[-1] in (3, 4) and dtype == np.uint8
+    axes = {3: "ZYX", 4: "ZYXS" if colours else "TZYX", 5: "TZYXS" if colours else "TCZYX"}[rank]
     if fortran:
         # the file holds the reversed array in C order
         axes, shape = axes[::-1], shape[::-1]

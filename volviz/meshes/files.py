@@ -1,13 +1,7 @@
-"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, always in world coordinates.
-
-A file appears complete or not at all: it is written beside its place under another name and moved there at the
-end, so that a full disk, an error or a cancel leave what was there before.
-"""
+"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, always in world coordinates."""
 
 from __future__ import annotations
 
-import os
-import secrets
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +15,9 @@ from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet  # noqa: E402
 from vtkmodules.vtkIOGeometry import vtkGLTFWriter, vtkOBJWriter, vtkSTLWriter  # noqa: E402
 from vtkmodules.vtkIOPLY import vtkPLYWriter  # noqa: E402
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter  # noqa: E402
+
+from volviz.io.vtk_writing import write_by_vtk  # noqa: E402
+from volviz.new_files import check_target, written_beside  # noqa: E402
 
 if TYPE_CHECKING:
     import pyvista
@@ -74,18 +71,12 @@ def save_mesh(
         raise InputError(
             f"{target.name}: the mesh is empty, so nothing was written; choose another isovalue."
         )
-    part = _beside(target)
-    try:
-        _write(mesh, part, progress, cancel)
+    with written_beside(target) as part:
+        write_by_vtk(_writer(mesh, part.suffix.lower()), part, progress, cancel)
         if cancel is not None and cancel():
             raise Cancelled(f"Writing {target.name} was cancelled.")
         if not part.stat().st_size:
             raise VolvizError(f"{target}: nothing could be written; check the free space.")
-        part.replace(target)
-    except OSError as error:
-        raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
@@ -103,70 +94,7 @@ def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
         raise InputError(
             f"{target.name}: a mesh is written as {', '.join(MESH_FORMATS)}; choose one of these endings."
         )
-    if not target.parent.is_dir():
-        raise VolvizError(f"{target}: the folder {target.parent} does not exist; create it first.")
-    if target.is_dir():
-        raise VolvizError(f"{target}: this is a folder; choose the name of a file.")
-    if target.exists():
-        if not overwrite and target.stat().st_size:
-            raise InputError(
-                f"{target}: the file exists already; choose another name, or have it replaced (overwrite=True, "
-                "--overwrite)."
-            )
-        if not os.access(target, os.W_OK):
-            raise VolvizError(f"{target}: the file is protected; choose another name.")
-    if not os.access(target.parent, os.W_OK):
-        raise VolvizError(f"{target}: nothing can be written into this folder; choose another one.")
-    return target
-
-
-def _beside(target: Path) -> Path:
-    """A new, empty file in the same folder."""
-    part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix.lower()}")
-    try:
-        # not tempfile: its files are the user's alone, these get the rights that a new file of the user has
-        part.open("xb").close()
-        if target.exists():
-            part.chmod(target.stat().st_mode & 0o777)
-    except OSError as error:
-        raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
-    return part
-
-
-def _write(
-    mesh: pyvista.PolyData,
-    path: Path,
-    progress: Callable[[float], object] | None,
-    cancel: Callable[[], bool] | None,
-) -> None:
-    writer = _writer(mesh, path.suffix)
-    # as bytes: a name on Linux need not be text
-    writer.SetFileName(os.fsencode(path))
-    furthest = 0.0
-    errors: list[Exception] = []
-
-    def report(_writer: Any, _event: str) -> None:
-        nonlocal furthest
-        try:
-            # some writers tell the end of each part as the end of all
-            if progress is not None and furthest < writer.GetProgress() < 1.0:
-                furthest = writer.GetProgress()
-                progress(furthest)
-            if cancel is not None and cancel():
-                writer.SetAbortExecute(True)
-        except Exception as error:  # noqa: BLE001 - VTK would print and swallow it
-            errors.append(error)
-            writer.SetAbortExecute(True)
-
-    observer = writer.AddObserver("ProgressEvent", report)
-    try:
-        writer.Write()
-    finally:
-        writer.RemoveObserver(observer)
-    if errors:
-        raise errors[0]
-    if progress is not None:
-        progress(1.0)
+    return check_target(target, overwrite=overwrite)
 
 
 def _writer(mesh: pyvista.PolyData, ending: str) -> Any:

@@ -122,6 +122,8 @@ class Description:
     is_labels : bool
         The values are numbers that stand for something (see `labels`), between which nothing lies.
     labels : tuple of Label
+    is_colour : bool
+        The channels are red, green, blue (and alpha) of colours.
     name : str
         What to call the data set.
     unit, length_unit : str
@@ -141,6 +143,7 @@ class Description:
     channels: tuple[Channel, ...] = ()
     is_labels: bool = False
     labels: tuple[Label, ...] = ()
+    is_colour: bool = False
     name: str = "volume"
     unit: str = ""
     length_unit: str = ""

@@ -113,6 +113,16 @@ class VolumeSource(ABC):
         return self.description.labels
 
     @property
+    def is_colour(self) -> bool:
+        """Whether the channels are red, green, blue (and alpha) of colours."""
+        return self.description.is_colour
+
+    @property
+    def length_unit(self) -> str:
+        """Unit of spacing and origin ("mm", "µm"); empty when unknown."""
+        return self.description.length_unit
+
+    @property
     def content_id(self) -> str:
         """Changes when the data changes; part of the keys of caches."""
         return self.description.content_id
@@ -122,7 +132,7 @@ class VolumeSource(ABC):
         """What else the reader tells: ``"source"``, ``"format"``, ``"notes"``."""
         return self.description.metadata
 
-    def statistics(self, time: int = 0, channel: int | None = None) -> Statistics | None:
+    def statistics(self, time: int = 0, channel: int | str | None = None) -> Statistics | None:
         """Range of the values where it is known without reading them; None where it is not.
 
         Raises
@@ -139,7 +149,7 @@ class VolumeSource(ABC):
         self,
         level: int = 0,
         time: int = 0,
-        channel: int | None = None,
+        channel: int | str | None = None,
         box: Sequence[int] | None = None,
         cancel: Cancel | None = None,
         progress: Progress | None = None,
@@ -152,8 +162,8 @@ class VolumeSource(ABC):
             Number of the level of resolution, 0 is the finest.
         time : int
             Number of the time point, from 0.
-        channel : int or None
-            Number of the channel, from 0. None takes what the file shows by itself: its first channel, the
+        channel : int, str or None
+            Number of the channel, from 0, or its name. None takes what the file shows by itself: its first channel, the
             brightness of colours.
         box : sequence of 6 ints, optional
             Voxels (i0, i1, j0, j1, k0, k1) of that level, those of i1, j1 and k1 no more, at least two along
@@ -212,12 +222,32 @@ class VolumeSource(ABC):
             metadata={**self.metadata, **metadata},
         )
 
-    def _checked(self, level: int, time: int, channel: int | None) -> tuple[int, int, int | None]:
+    def channel_number(self, channel: int | str) -> int:
+        """The number of a channel, from 0, by its number or name (upper or lower case, if that is clear).
+
+        Raises
+        ------
+        InputError
+            There is no such channel, or several are called so.
+        """
+        if not isinstance(channel, str):
+            return checked_number("channel", channel, self.sizes.get("c", 1), self.name)
+        names = [each.name for each in self.channels]
+        found = [n for n, name in enumerate(names) if name == channel]
+        found = found or [n for n, name in enumerate(names) if name.lower() == channel.lower()]
+        if len(found) != 1:
+            known = ", ".join(name for name in names if name)
+            which = "several channels are" if found else "no channel is"
+            there = f"; its channels are {known}" if known else "; its channels have no names"
+            raise InputError(f"{self.name}: {which} called {channel!r}{there}: give a number from 0.")
+        return found[0]
+
+    def _checked(self, level: int, time: int, channel: int | str | None) -> tuple[int, int, int | None]:
         sizes = self.sizes
         return (
             checked_number("level", level, len(self.levels), self.name),
             checked_number("time", time, sizes.get("t", 1), self.name),
-            None if channel is None else checked_number("channel", channel, sizes.get("c", 1), self.name),
+            None if channel is None else self.channel_number(channel),
         )
 
 

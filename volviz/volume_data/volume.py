@@ -21,6 +21,9 @@ UNIT_TOLERANCE = 1e-3
 #: volume must be resampled.
 SHEAR_LIMIT = 8.0
 
+#: Moved volumes that are remembered (`Volume.moved`).
+MOVED_KEPT = 16
+
 _KINDS = "buif"
 
 
@@ -104,6 +107,7 @@ class Volume:
         self.unit = str(unit)
         self.name = str(name)
         self.metadata: Mapping[str, Any] = MappingProxyType(dict(metadata or {}))
+        self._moved: dict[bytes, Volume] = {}
 
     def __repr__(self) -> str:
         x, y, z = self.dimensions
@@ -143,6 +147,34 @@ class Volume:
         )
         scalars.flags.writeable = False
         return scalars
+
+    def moved(self, transform: npt.ArrayLike) -> Volume:
+        """The same values elsewhere in the world; nothing is copied.
+
+        Parameters
+        ----------
+        transform : array_like of shape (4, 4)
+            From the world to the world, invertible, with the last row 0, 0, 0, 1. It may shear more than a file may:
+            what draws sheared volumes draws it as it is.
+
+        Returns
+        -------
+        Volume
+            The same object for the same matrix, as long as this volume lives.
+        """
+        matrix = np.asarray(transform, np.float64) @ self.index_to_world
+        key = matrix.tobytes()
+        if key not in self._moved:
+            spacing = np.linalg.norm(matrix[:3, :3], axis=0)
+            moved = Volume(
+                self.array, tuple(spacing), tuple(matrix[:3, 3]), unit=self.unit, name=self.name,
+                metadata=self.metadata,
+            )  # fmt: skip
+            moved.direction = matrix[:3, :3] / spacing
+            moved.direction.flags.writeable = False
+            # the last few: a gesture that moves a volume makes many
+            self._moved = {**dict(list(self._moved.items())[-MOVED_KEPT + 1 :]), key: moved}
+        return self._moved[key]
 
     @property
     def mean_spacing(self) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 from psygnal import Signal as Event
 from PySide6.QtCore import QObject, Signal
 
-from volviz.custom_gl.resolve import layer_function
+from volviz.custom_gl.layer_set import layer_function
 from volviz.errors import InputError
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.layers import ImageLayer

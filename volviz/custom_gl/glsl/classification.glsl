@@ -1,26 +1,38 @@
 // From scalars to colour and opacity: the table of the transfer function and what becomes of its opacities.
 #pragma per_layer
 
-uniform isampler2D t_segments;             // the curve, straight, over the part of the range where it changes: one row,
-                                           // a texel from each entry to the next (segment_texels in gpu/context.py)
+#ifdef TABLE
+// The curves of several layers, straight RGBA over the parts of the range where they change: this one in the row at
+// TABLE_ROW.
+uniform float u_table_entry;               // width of an entry = 1 / number of entries in a row
+#else
+// The curve, straight, over the part of the range where it changes: a texel from each entry to the next
+// (`segment_texels` in gpu/context.py).
+uniform isampler2D t_segments;
+uniform float u_table_segment;             // width of a segment = 1 / (number of entries - 1)
+// 1 / 2047, 1 / (2047 * 2^11), 1 / 1023: green is left where it stands in its word.
+const vec3 COLOR_STEPS = vec3(4.8851978505e-4, 2.3853505129e-7, 9.7751710655e-4);
+#endif
 uniform vec2 u_table_map;                  // position in the table, 0..1 = fraction of the data range * x + y
 uniform float u_table_last;                // number of entries - 1
-uniform float u_table_segment;             // width of a segment = 1 / (number of entries - 1)
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / length to which opacities of the table belong, per world unit
-
-// 1 / 2047, 1 / (2047 * 2^11), 1 / 1023: green is left where it stands in its word
-const vec3 COLOR_STEPS = vec3(4.8851978505e-4, 2.3853505129e-7, 9.7751710655e-4);
 
 // Straight RGBA of the curve over the value.
 vec4 curve_color(float s) {
     float x = clamp(s * u_table_map.x + u_table_map.y, 0.0, 1.0) * u_table_last;
     float i = min(floor(x), u_table_last - 1.0);
+#ifdef TABLE
+    // two lookups and a mix: a linear filter would mix the rows
+    vec2 entry = vec2((i + 0.5) * u_table_entry, TABLE_ROW);
+    vec4 c = mix(textureLod(TABLE, entry, 0.0), textureLod(TABLE, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
+#else
     ivec4 ends = textureLod(t_segments, vec2((i + 0.5) * u_table_segment, 0.5), 0.0);
     vec3 first = vec3(ends.x & 2047, ends.x & 4192256, (ends.x >> 22) & 1023);
     vec3 second = vec3(ends.y & 2047, ends.y & 4192256, (ends.y >> 22) & 1023);
     vec2 opacities = intBitsToFloat(ends.zw);
     vec4 c = vec4(mix(first, second, x - i) * COLOR_STEPS, mix(opacities.x, opacities.y, x - i));
+#endif
     return s < u_density_threshold ? vec4(0.0) : c;
 }
 

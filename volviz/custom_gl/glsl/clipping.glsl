@@ -30,15 +30,18 @@ bool is_clipped(vec3 p) {
     return false;
 }
 
-// Entry and exit of the box, as world lengths along the ray (slabs method, Kay & Kajiya 1986).
-void intersect_box(inout Ray ray) {
+// Entry and exit of a box, as world lengths along the ray (slabs method, Kay & Kajiya 1986).
+void intersect_slabs(inout Ray ray, vec3 box_low, vec3 box_high) {
     vec3 inverse = 1.0 / (ray.direction + vec3(equal(ray.direction, vec3(0.0))) * 1e-20);
-    vec3 a = (u_box_low - ray.origin) * inverse;
-    vec3 b = (u_box_high - ray.origin) * inverse;
+    vec3 a = (box_low - ray.origin) * inverse;
+    vec3 b = (box_high - ray.origin) * inverse;
     vec3 low = min(a, b), high = max(a, b);
     ray.near = max(ray.near, max(low.x, max(low.y, low.z)));
     ray.far = min(ray.far, min(high.x, min(high.y, high.z)));
 }
+
+// The same for the box of what is shown.
+void intersect_box(inout Ray ray) { intersect_slabs(ray, u_box_low, u_box_high); }
 
 void intersect_planes(inout Ray ray) {
 #if CLIP_PLANES

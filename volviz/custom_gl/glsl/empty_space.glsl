@@ -7,7 +7,14 @@ uniform sampler3D t_distance;      // up to 127: bricks to the nearest visible o
 uniform vec3 u_bricks_per_texture; // bricks per unit of texture coordinate = voxels / brick size
 uniform vec3 u_brick_offset;       // -0.5 / brick size: voxel i has its centre at (i + 0.5) / N
 uniform vec3 u_last_brick;         // number of bricks - 1
-uniform vec3 u_brick_edge;         // of a brick in t_distance = 1 / number of bricks
+uniform vec3 u_brick_edge;         // of a brick in the texture = 1 / number of bricks
+uniform vec3 u_first_brick;        // middle of the first one, in bricks, where fields of several lattices share a texture
+
+// Where the field lies: in a texture of its own, or in one with those of other lattices.
+#ifndef DISTANCES
+#define DISTANCES t_distance
+#define FIRST_BRICK 0.5
+#endif
 
 struct Brick {
     bool visible;      // something may be visible in it
@@ -20,7 +27,7 @@ Brick brick_at(vec3 p) {
     Brick b;
     b.position = p * u_bricks_per_texture + u_brick_offset;
     b.corner = clamp(floor(b.position), vec3(0.0), u_last_brick);
-    float code = textureLod(t_distance, (b.corner + 0.5) * u_brick_edge, 0.0).r;
+    float code = textureLod(DISTANCES, (b.corner + FIRST_BRICK) * u_brick_edge, 0.0).r;
     b.visible = code > 127.0;
     b.clearance = b.visible ? code - 128.0 : code - 1.0;
     return b;

@@ -184,7 +184,9 @@ def segment_texels(table: npt.NDArray[np.float32]) -> npt.NDArray[np.int32]:
         both ends, the bits of 32-bit floats.
     """
     steps = np.array([2047, 2047, 1023])
-    red, green, blue = np.moveaxis(np.rint(np.clip(table[..., :3], 0.0, 1.0) * steps).astype(np.uint32), -1, 0)
+    red, green, blue = np.moveaxis(
+        np.rint(np.clip(table[..., :3], 0.0, 1.0) * steps).astype(np.uint32), -1, 0
+    )
     colors = (red | green << np.uint32(11) | blue << np.uint32(22)).view(np.int32)
     opacities = np.ascontiguousarray(table[..., 3], np.float32).view(np.int32)
     return np.stack([colors[:, :-1], colors[:, 1:], opacities[:, :-1], opacities[:, 1:]], axis=-1)

@@ -24,7 +24,7 @@ UNITS = {
     "t_segments": 5,
 }
 #: First unit that is free for a technique's own samplers.
-FIRST_FREE_UNIT = 8
+FIRST_FREE_UNIT = 5
 
 
 class Program:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
-from volviz.custom_gl.gpu.packed_texels import CORNERS, empty_packed, is_packed, packed
+from volviz.custom_gl.gpu.corner_texels import CORNERS, empty_corners, holds_corners, with_neighbours
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.brick_gradients import occupancy_2d, visible_plane_sums
@@ -49,6 +49,14 @@ PREINTEGRATED_SIZE = 512
 PREINTEGRATED_SIZE_INTERACTIVE = 256
 
 
+class ScalarPack(Protocol):
+    """Scalars of several volumes in one texture."""
+
+    @property
+    def texture(self) -> Any:
+        """Where they are, one component each."""
+
+
 class SampledFrame(Protocol):
     """What of a `volviz.custom_gl.technique.Frame` decides which textures its rays need."""
 
@@ -67,6 +75,15 @@ class SampledFrame(Protocol):
 class VolumeResources:
     """Textures of a volume, made when first needed and keyed by the identity of what they come from.
 
+    Parameters
+    ----------
+    gpu : Gpu
+        Where they are.
+    volume : Volume
+        What they show.
+    pack : ScalarPack, optional
+        Holds the scalars together with those of other volumes of the lattice; there is one level of detail then.
+
     Attributes
     ----------
     scalars : moderngl.Texture3D
@@ -75,12 +92,15 @@ class VolumeResources:
         Mapping of texels to fractions of the data range and of voxels to texture coordinates.
     """
 
-    def __init__(self, gpu: Gpu, volume: Volume) -> None:
+    def __init__(self, gpu: Gpu, volume: Volume, pack: ScalarPack | None = None) -> None:
         self.gpu = gpu
         self.volume = volume
-        self.texels: TextureData = texture_data_of(volume, *texel_limits(gpu, volume))
+        self._limits = texel_limits(gpu, volume, alone=pack is None)
+        self.texels: TextureData = texture_data_of(volume, *self._limits)
+        self._has_corners = pack is None and takes_corners(gpu, volume)
         self._uploaded = 0
-        self.scalars = self._empty_scalars(self.texels)
+        self._pack = pack
+        self.scalars = self._empty_scalars(self.texels) if pack is None else pack.texture
         self._levels: dict[int, tuple[TextureData, Any]] = {0: (self.texels, self.scalars)}
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
@@ -92,33 +112,19 @@ class VolumeResources:
     @property
     def fetch(self) -> str:
         """File of the hook that reads the scalars."""
-        if not self._packs(self.texels):
+        if not self._has_corners:
             return "fetch/texture.glsl"
-        return "fetch/packed8.glsl" if self.texels.format == "u1" else "fetch/packed16.glsl"
-
-    def _packs(self, texels: TextureData) -> bool:
-        return is_packed(texels.data, software=self.gpu.limits.software)
+        return "fetch/corners8.glsl" if self.texels.format == "u1" else "fetch/corners16.glsl"
 
     def _empty_scalars(self, texels: TextureData) -> Any:
-        z, y, x = texels.data.shape
-        if self._packs(texels):
-            return empty_packed(self.gpu.gl, texels.data)
-        dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
-        texture = self.gpu.gl.texture3d((x, y, z), 1, dtype=dtype, alignment=1)
-        if self.gpu.gl.error == "GL_OUT_OF_MEMORY":
-            texture.release()
-            raise RenderError(
-                f"{self.volume.name}: the graphics memory has no room for {texels.data.nbytes / 2**20:.0f} MB; set "
-                "VOLVIZ_TEXTURE_MB to less, and the volume is drawn coarser."
-            )
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
-        return texture
+        if self._has_corners:
+            return empty_corners(self.gpu.gl, texels.data)
+        return empty_scalars(self.gpu, texels, 1, self.volume.name)
 
     @property
     def complete(self) -> bool:
         """Whether all scalars are on the GPU."""
-        return self._uploaded >= len(self._levels[0][0].data)
+        return self._pack is not None or self._uploaded >= len(self._levels[0][0].data)
 
     def upload(self, max_bytes: int | None = None) -> bool:
         """Upload further slabs of scalars, at least one; True when all are there.
@@ -129,19 +135,22 @@ class VolumeResources:
             Stop after about that many bytes; None uploads everything.
         """
         data, texture = self._levels[0][0].data, self._levels[0][1]
-        packs = self._packs(self._levels[0][0])
-        plane = data[0].nbytes * (CORNERS if packs else 1)
+        plane = data[0].nbytes * (CORNERS if self._has_corners else 1)
         done = 0
         while not self.complete and (max_bytes is None or done < max_bytes):
             count = min(max(SLAB_BYTES // plane, 1), len(data) - self._uploaded)
             stop = self._uploaded + count
-            slab = packed(data, self._uploaded, stop) if packs else data[self._uploaded : stop]
+            slab = self._stored(data, self._uploaded, stop)
             x, y = data.shape[2], data.shape[1]
             texture.write(slab, viewport=(0, 0, self._uploaded, x, y, count), alignment=1)
             self._uploaded += count
             done += slab.nbytes
             self.gpu.uploads += 1
         return self.complete
+
+    def _stored(self, data: npt.NDArray[Any], start: int, stop: int) -> npt.NDArray[Any]:
+        """Planes as they are uploaded."""
+        return with_neighbours(data, start, stop) if self._has_corners else data[start:stop]
 
     @property
     def full_factor(self) -> tuple[int, int, int]:
@@ -151,16 +160,17 @@ class VolumeResources:
     @property
     def coarsest(self) -> int:
         """Number of the coarsest level of detail."""
-        return len(levels_of(self.volume, *texel_limits(self.gpu, self.volume))) - 1
+        if self._pack is not None:
+            return 0
+        return len(levels_of(self.volume, *self._limits)) - 1
 
     def select(self, level: int) -> None:
         """Let `texels` and `scalars` be those of a level of detail, 0 = full; coarser ones are small."""
         held = self._levels.get(level)
         if held is None:
-            texels = levels_of(self.volume, *texel_limits(self.gpu, self.volume))[level]
+            texels = levels_of(self.volume, *self._limits)[level]
             texture = self._empty_scalars(texels)
-            data = texels.data
-            texture.write(packed(data, 0, len(data)) if self._packs(texels) else data, alignment=1)
+            texture.write(self._stored(texels.data, 0, len(texels.data)), alignment=1)
             self.gpu.uploads += 1
             held = self._levels[level] = (texels, texture)
         self.texels, self.scalars = held
@@ -185,7 +195,11 @@ class VolumeResources:
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
             texels = table.texels if length is None else table.per_length(length)
-            return self.gpu.segments_texture(texels) if table.gradients is None else self.gpu.table_texture(texels)
+            return (
+                self.gpu.segments_texture(texels)
+                if table.gradients is None
+                else self.gpu.table_texture(texels)
+            )
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
         return self._cached(self._tables, "table" if length is None else "table per length", key, make)
@@ -324,20 +338,7 @@ class VolumeResources:
         return self._cached(self._distances, slot, key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
-        coarse = max(self.texels.factor)
-        if coarse > 1:
-            # texels of a reduced volume mix voxels from farther away than the bricks' own margin
-            occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
-        empty = np.minimum(chessboard_distance(occupied), 127)
-        visible = np.minimum(chessboard_distance(~occupied), 128) + 127
-        # as floats: they need no unpacking where OpenGL is computed in software
-        distance = np.where(occupied, visible, empty).astype(np.float32)
-        z, y, x = distance.shape
-        texture = self.gpu.gl.texture3d((x, y, z), 1, distance.tobytes(), alignment=1, dtype="f4")
-        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        texture.repeat_x = texture.repeat_y = texture.repeat_z = False
-        self.gpu.uploads += 1
-        return texture
+        return distance_texture(self.gpu, distance_codes(occupied, max(self.texels.factor)))
 
     @property
     def gradient_scale(self) -> float:
@@ -369,7 +370,9 @@ class VolumeResources:
         program.use_texture("t_scalars", self.scalars, layer)
         for name in ("t_segments", "t_table"):
             if asked(name):
-                table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
+                table = self.table(
+                    frame.transfer_function, length=table_length, interactive=frame.interactive
+                )
                 program.use_texture(name, table, layer)
         if "t_scene_depth" in program.units:
             program.use_texture("t_scene_depth", frame.scene_depth)
@@ -394,14 +397,7 @@ class VolumeResources:
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
-        scale, _ = self.texels.index_to_texture
-        bricks = [-(-n // BRICK) for n in self.volume.dimensions]
-        return {
-            "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
-            "u_brick_offset": (-0.5 / BRICK,) * 3,
-            "u_last_brick": tuple(n - 1.0 for n in bricks),
-            "u_brick_edge": tuple(1.0 / n for n in bricks),
-        }
+        return brick_uniforms(self.texels, self.volume)
 
     def _cached(self, cache: dict[str, tuple[Any, Any]], slot: str, key: Any, make: Any) -> Any:
         """The texture in a slot, remade when the key is another object or value."""
@@ -415,14 +411,72 @@ class VolumeResources:
         return texture
 
     def release(self) -> None:
-        """Release all textures; the context must be current."""
+        """Release all textures but those of a pack; the context must be current."""
         for _, texture in self._levels.values():
-            texture.release()
+            if self._pack is None:
+                texture.release()
         self._levels.clear()
         for cache in (self._tables, self._distances):
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def brick_uniforms(texels: TextureData, volume: Volume) -> dict[str, Any]:
+    """Uniforms of ``glsl/empty_space.glsl``."""
+    scale, _ = texels.index_to_texture
+    bricks = [-(-n // BRICK) for n in volume.dimensions]
+    return {
+        "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
+        "u_brick_offset": (-0.5 / BRICK,) * 3,
+        "u_last_brick": tuple(n - 1.0 for n in bricks),
+        "u_brick_edge": tuple(1.0 / n for n in bricks),
+    }
+
+
+def distance_codes(occupied: npt.NDArray[np.bool_], coarse: int = 1) -> npt.NDArray[np.float32]:
+    """A field of empty space as ``glsl/empty_space.glsl`` reads it, shape (b_z, b_y, b_x).
+
+    Parameters
+    ----------
+    occupied : ndarray of shape (b_z, b_y, b_x)
+        Bricks that may be visible.
+    coarse : int
+        Voxels per texel.
+    """
+    if coarse > 1:
+        # texels of a reduced volume mix voxels from farther away than the bricks' own margin
+        occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
+    empty = np.minimum(chessboard_distance(occupied), 127)
+    visible = np.minimum(chessboard_distance(~occupied), 128) + 127
+    # as floats: they need no unpacking where OpenGL is computed in software
+    return np.where(occupied, visible, empty).astype(np.float32)
+
+
+def empty_scalars(gpu: Gpu, texels: TextureData, components: int, name: str) -> Any:
+    """A texture for scalars of so many volumes, to be filled."""
+    z, y, x = texels.data.shape
+    dtype = {"u1": "f1", "u2": "nu2", "f4": "f4"}[texels.format]
+    texture = gpu.gl.texture3d((x, y, z), components, dtype=dtype, alignment=1)
+    if gpu.gl.error == "GL_OUT_OF_MEMORY":
+        texture.release()
+        raise RenderError(
+            f"{name}: the graphics memory has no room for {components * texels.data.nbytes / 2**20:.0f} MB; set "
+            "VOLVIZ_TEXTURE_MB to less, and the volume is drawn coarser."
+        )
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    return texture
+
+
+def distance_texture(gpu: Gpu, codes: npt.NDArray[np.float32]) -> Any:
+    """A field of empty space as a texture."""
+    z, y, x = codes.shape
+    texture = gpu.gl.texture3d((x, y, z), 1, codes.tobytes(), alignment=1, dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    gpu.uploads += 1
+    return texture
 
 
 def _bricks_of_differences(frame: SampledFrame) -> int:
@@ -438,12 +492,29 @@ def _margin(frame: SampledFrame) -> int:
     return math.ceil((frame.step_world / min(frame.volume.spacing) + 1.0) / BRICK)
 
 
-def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:
-    """Format and limits with which `texture_data_of` makes the texels that this GPU takes."""
+def takes_corners(gpu: Gpu, volume: Volume) -> bool:
+    """Whether a volume that is drawn alone has its values stored with their neighbours (`corner_texels`)."""
+    dtype = volume.array.dtype
+    if not gpu.limits.software or dtype.kind == "f":
+        return False
+    return holds_corners(volume.array.size, dtype.itemsize, gpu.max_texture_bytes)
+
+
+def texel_limits(gpu: Gpu, volume: Volume, *, alone: bool) -> tuple[Any, int, int]:
+    """Format and limits with which `texture_data_of` makes the texels that this GPU takes.
+
+    Parameters
+    ----------
+    gpu : Gpu
+    volume : Volume
+    alone : bool
+        It has a texture to itself.
+    """
     kind = choose_format(
         volume.array.dtype,
         volume.array.size,
         precise_bytes=not gpu.limits.software and gpu.filters_bytes_precisely,
         software=gpu.limits.software,
+        interpolates=alone and takes_corners(gpu, volume),
     )
     return kind, gpu.limits.max_3d_texture, gpu.max_texture_bytes

@@ -42,7 +42,7 @@ def add_volume(
     plotter : pyvista.Plotter or pyvistaqt.QtInteractor
         Where to show it; the volume goes into its active renderer.
     volume : Volume, VolumeSource, ImageLayer or sequence of layers
-        What to show; of layers, one may be visible.
+        What to show. Several visible layers are drawn in one ray integral, by techniques that can.
     technique : str, default: "raycast"
         Id of a technique (`volviz.techniques`).
     transfer_function : TransferFunction, optional

@@ -21,7 +21,6 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
     volume, texels, common = frame.volume, frame.resources.texels, frame.common
     to_world = frame.texture_to_world
     scale, offset = texels.index_to_texture
-    crop = np.array(frame.crop).reshape(3, 2)
 
     uniforms: dict[str, Any] = {
         "u_clip_to_texture": np.linalg.inv(frame.texture_to_clip),
@@ -30,8 +29,7 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_world_metric_x": tuple(to_world[0, :3]),
         "u_world_metric_y": tuple(to_world[1, :3]),
         "u_world_metric_z": tuple(to_world[2, :3]),
-        "u_box_low": tuple(crop[:, 0] * scale + offset),
-        "u_box_high": tuple(crop[:, 1] * scale + offset),
+        **box_uniforms(frame),
         "u_planes": _planes(frame, to_world),
         "u_size": tuple(float(n) for n in frame.size),
         "u_scalar_map": (texels.scale, texels.offset),
@@ -46,9 +44,9 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_index_to_texture_scale": tuple(scale),
         "u_index_to_texture_offset": tuple(offset),
         "u_texture_to_centred": frame.recentred(to_world),
-        "u_eye_centred": tuple(frame.viewpoint - volume.center),
+        "u_eye_centred": tuple(frame.viewpoint - frame.center),
         "u_view_direction": tuple(frame.camera.direction),
-        "u_light_centred": tuple(frame.light_source - volume.center),
+        "u_light_centred": tuple(frame.light_source - frame.center),
         "u_light_color": frame.light_color,
         "u_flat_gradient": 1e-5 / volume.mean_spacing,
         "u_material": (
@@ -66,6 +64,16 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
     uniforms |= frame.resources.brick_uniforms()
     uniforms |= frame.resources.table_uniforms(frame.transfer_function, interactive=frame.interactive)
     return uniforms
+
+
+def box_uniforms(frame: Frame) -> dict[str, Any]:
+    """The box of what is shown, in texture coordinates."""
+    scale, offset = frame.resources.texels.index_to_texture
+    crop = np.array(frame.crop).reshape(3, 2)
+    return {
+        "u_box_low": tuple(crop[:, 0] * scale + offset),
+        "u_box_high": tuple(crop[:, 1] * scale + offset),
+    }
 
 
 def _planes(frame: Frame, to_world: Matrix) -> Matrix:
@@ -126,6 +134,9 @@ def level_of_detail(frame: Frame) -> int:
     OpenGL reads the level that is about as fine as its few pixels: most of its time goes into fetching
     voxels that lie far apart.
     """
+    if frame.joint is not None:
+        # layers that share a texture have one level
+        return 0
     moving = frame.interactive and frame.gpu.limits.software
     if not moving and not frame.common.mipmaps:
         return 0

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 
 from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.layer_resources import LayerResources
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.layer_set import ResolvedLabels, ResolvedLayer
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.vtk.frame_scheduling import FULL, QualityLevel
-from volviz.custom_gl.vtk.frame_uniforms import box_tiles, level_of_detail, shared_uniforms
+from volviz.custom_gl.vtk.frame_uniforms import box_tiles, box_uniforms, level_of_detail, shared_uniforms
 from volviz.custom_gl.vtk.progressive import jittered_camera
 from volviz.custom_gl.vtk.renderer_view import RendererView
-from volviz.custom_gl.vtk.window_gpu import NoTextures
+from volviz.custom_gl.vtk.window_gpu import Textures
+from volviz.model.clipping import Clipping
 from volviz.tasks import Tasks
 
 
@@ -30,7 +34,7 @@ def make_frame(
     view: RendererView,
     gpu: Gpu,
     target: Target,
-    textures: VolumeResources | NoTextures,
+    textures: Textures,
     *,
     scene_depth: Any,
     level: QualityLevel,
@@ -50,8 +54,8 @@ def make_frame(
         Of the window, whose context is current.
     target : Target
         Of the size `frame_size` gives for the level.
-    textures : VolumeResources or NoTextures
-        Of the volume, uploaded.
+    textures : VolumeResources, LayerResources or NoTextures
+        Of what is shown, uploaded.
     scene_depth : moderngl.Texture or None
         Of the opaque geometry.
     level : QualityLevel
@@ -64,24 +68,26 @@ def make_frame(
         Number of an image that follows the full one.
     """
     width, height, _, _ = view.rectangle()
+    joint = textures if isinstance(textures, LayerResources) else None
+    volume = shown.volumes[0]
     frame = Frame(
         gpu=gpu,
         target=target,
         size=target.size,
         window_size=(width, height),
-        volume=shown.volume,
-        resources=cast(VolumeResources, textures),
-        transfer_function=shown.drawn_function,
+        volume=volume,
+        resources=cast(VolumeResources, textures if joint is None else joint.layers[0]),
+        transfer_function=shown.layers[0].drawn_function if shown.layers else shown.drawn_function,
         settings=shown.settings,
         common=shown.common,
         isovalues=shown.isovalues,
-        unit_distance=shown.unit_distance,
+        unit_distance=shown.unit_distance_of(volume),
         camera=jittered_camera(view.camera(), target.size, sequence),
         light_position=np.array(shown.light_position),
         light_color=shown.light.color,
         headlight=shown.light.headlight,
-        crop=shown.crop,
-        planes=shown.clipping.planes,
+        crop=shown.drawn_crop,
+        planes=shown.drawn_planes,
         scene_depth=scene_depth,
         step_scale=level.step_scale,
         level=0,
@@ -91,10 +97,38 @@ def make_frame(
         uniforms={},
         tasks=tasks,
         surface_colors=shown.surface_colors,
+        joint=joint,
     )
     frame.level = level_of_detail(frame)
     frame.resources.select(frame.level)
     frame.tiles = box_tiles(frame.box_corners, frame.camera.view_projection, frame.size, tile)
-    if shown.info.uses_textures:
+    if joint is not None:
+        _add_layers(frame, shown, joint)
+    elif shown.info.uses_textures:
         frame.uniforms = shared_uniforms(frame)
     return frame
+
+
+def _add_layers(frame: Frame, shown: ResolvedSpec, joint: LayerResources) -> None:
+    """Give a frame its layers and all uniforms."""
+    frame.layers = tuple(
+        replace(
+            frame,
+            volume=layer.volume,
+            resources=cast(VolumeResources, resources),
+            transfer_function=layer.drawn_function if isinstance(layer, ResolvedLayer) else layer.FUNCTION,
+            unit_distance=shown.unit_distance_of(layer.volume),
+            crop=shown.crop if shown.is_one_lattice else Clipping().crop_within(layer.volume.dimensions),
+            mode=layer.mode,
+            labels=layer.shown if isinstance(layer, ResolvedLabels) else None,
+            joined_to=frame,
+            joint=None,
+        )
+        for layer, resources in zip(shown.all_layers, joint.layers, strict=True)
+    )
+    for layer_frame in frame.layers:
+        own = shared_uniforms(layer_frame)
+        layer_frame.uniforms = own | {"u_lattice_low": own["u_box_low"], "u_lattice_high": own["u_box_high"]}
+    for layer_frame, shared in zip(frame.layers, joint.lattice_uniforms(frame), strict=True):
+        layer_frame.uniforms |= shared
+    frame.uniforms = frame.layers[0].uniforms | box_uniforms(frame)

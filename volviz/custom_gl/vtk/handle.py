@@ -143,7 +143,7 @@ class VolumeHandle(ViewRenderer):
             A value does not fit; nothing is changed then.
         """
         shown = resolve(spec, self._volumes if volumes is None else volumes)
-        if self.error is None and spec == self._shown.spec and shown.volume is self._shown.volume:
+        if self.error is None and spec == self._shown.spec and shown.volumes == self._shown.volumes:
             return
         self._volumes = volumes or self._volumes
         self._show_instead(shown.keeping(self._shown))
@@ -201,20 +201,22 @@ class VolumeHandle(ViewRenderer):
         Returns
         -------
         Picked or None
-            World position, voxel, value and (for surfaces) isovalue; None where nothing of the volume is seen.
+            World position, voxel, value and (for surfaces) isovalue; None where nothing of the volume is seen. Of
+            several layers, the one that alone would be seen nearest.
         """
         camera, (width, height, _, _) = self.view.camera(), self.view.rectangle()
-        sight = Sight(
-            self._shown.volume,
-            self._shown.drawn_function,
-            self._shown.settings,
-            self._shown.common,
-            pixel_ray(camera.view, camera.projection, (width, height), (x, y)),
-            self._shown.crop,
-            self._shown.clipping.planes,
-            self._shown.isovalues,
-        )
-        return (self._shown.info.pick or first_visible)(sight)
+        ray = pixel_ray(camera.view, camera.projection, (width, height), (x, y))
+        shown = self._shown
+        found = []
+        for volume, function in shown.seen:
+            crop = shown.crop if shown.is_one_lattice else Clipping().crop_within(volume.dimensions)
+            sight = Sight(
+                volume, function, shown.settings, shown.common, ray, crop, shown.drawn_planes, shown.isovalues
+            )
+            picked = (shown.info.pick or first_visible)(sight)
+            if picked is not None:
+                found.append(picked)
+        return min(found, key=lambda picked: np.linalg.norm(picked.position - ray.start), default=None)
 
     def show_manipulators(self, on: bool = True, *, listens: bool = True) -> None:
         """Show what can be dragged: the light and the cut plane, where the technique has them.

@@ -160,7 +160,7 @@ class ViewRenderer:
     def _show_instead(self, shown: ResolvedSpec) -> None:
         """Draw this from now on."""
         before, self._shown = self._shown, shown
-        if shown.info.id != before.info.id or shown.volume is not before.volume:
+        if shown.info.id != before.info.id or shown.volumes != before.volumes:
             self._cost.forget()
         if shown.info.id != before.info.id:
             self._runner.retire()

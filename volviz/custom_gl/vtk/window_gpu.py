@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.layer_resources import LayerResources
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.tasks import Done, LatestResult, Tasks
+from volviz.volume_data.label_indices import are_labels_known, label_indices_of
 from volviz.volume_data.scalars import is_prepared, prepare
 from volviz.volume_data.volume import Volume
 
@@ -34,7 +36,7 @@ class WindowGpu:
         self.window = window
         self.users = 0
         self._gpu: Gpu | None = None
-        self._volumes: dict[int, tuple[VolumeResources, int]] = {}
+        self._volumes: dict[Hashable, tuple[VolumeResources | LayerResources, int]] = {}
 
     @property
     def gpu(self) -> Gpu:
@@ -54,21 +56,27 @@ class WindowGpu:
         """Whether anything was put on the GPU."""
         return self._gpu is not None
 
-    def resources(self, volume: Volume) -> VolumeResources:
-        """Textures of a volume; every caller returns them by `drop` once."""
-        held = self._volumes.get(id(volume))
+    def resources(
+        self, images: Sequence[Volume], labels: Sequence[Volume]
+    ) -> VolumeResources | LayerResources:
+        """Textures of a volume, or of layers that are drawn together; every caller returns them by `drop` once."""
+        key = _key(images, labels)
+        held = self._volumes.get(key)
         if held is None:
-            held = (VolumeResources(self.gpu, volume), 0)
-        self._volumes[id(volume)] = (held[0], held[1] + 1)
+            one = len(images) == 1 and not labels
+            made = VolumeResources(self.gpu, images[0]) if one else LayerResources(self.gpu, images, labels)
+            held = (made, 0)
+        self._volumes[key] = (held[0], held[1] + 1)
         return held[0]
 
-    def drop(self, resources: VolumeResources) -> None:
+    def drop(self, images: Sequence[Volume], labels: Sequence[Volume]) -> None:
         """Give textures back; those that nobody uses any more are released."""
-        held, users = self._volumes[id(resources.volume)]
+        key = _key(images, labels)
+        held, users = self._volumes[key]
         if users > 1:
-            self._volumes[id(resources.volume)] = (held, users - 1)
+            self._volumes[key] = (held, users - 1)
         else:
-            del self._volumes[id(resources.volume)]
+            del self._volumes[key]
             held.release()
 
     @contextmanager
@@ -99,6 +107,10 @@ class WindowGpu:
         if self._gpu is not None:
             self._gpu.release()
             self._gpu = None
+
+
+def _key(images: Sequence[Volume], labels: Sequence[Volume]) -> Hashable:
+    return tuple(id(volume) for volume in images), tuple(id(volume) for volume in labels)
 
 
 _WINDOWS: dict[str, WindowGpu] = {}
@@ -140,10 +152,15 @@ class NoTextures:
 
 
 NO_TEXTURES = NoTextures()
+Textures = VolumeResources | LayerResources | NoTextures
+
+
+def _images_and_labels(shown: ResolvedSpec) -> tuple[tuple[Volume, ...], tuple[Volume, ...]]:
+    return tuple(layer.volume for layer in shown.layers), tuple(layer.volume for layer in shown.labels)
 
 
 class VolumeTextures:
-    """Holds the textures of one volume at a time.
+    """Holds the textures of what is shown: of one volume, or of several layers.
 
     Parameters
     ----------
@@ -162,35 +179,46 @@ class VolumeTextures:
         self._window_gpu = window_gpu
         self.tasks = Tasks(on_task)
         self._prepared: LatestResult[Any, bool] = LatestResult("scalars", cancels=False)
-        self._held: VolumeResources | None = None
+        self._held: VolumeResources | LayerResources | None = None
+        self._volumes: tuple[tuple[Volume, ...], tuple[Volume, ...]] = ((), ())
 
     def are_made(self, shown: ResolvedSpec) -> bool:
         """Whether there are textures for what is shown, or none are needed."""
         if not shown.info.uses_textures:
             return True
-        return self._held is not None and self._held.volume is shown.volume
+        return self._held is not None and self._volumes == _images_and_labels(shown)
 
     def can_be_made(self, shown: ResolvedSpec) -> bool:
         """Whether they can be made without computing texels here first; if not, a task begins to compute them."""
         if self.are_made(shown):
             return True
-        volume, limits = shown.volume, texel_limits(self._window_gpu.gpu, shown.volume)
-        if is_prepared(volume, *limits):
-            return True
-        ready = self._prepared.get(
-            self.tasks, (volume, limits), lambda _progress, _cancel: prepare(volume, *limits)
+        images, labels = _images_and_labels(shown)
+        alone = len(images) == 1 and not labels
+        limits = tuple(
+            (volume, *texel_limits(self._window_gpu.gpu, volume, alone=alone)) for volume in images
         )
-        return ready is not None
+        if all(is_prepared(*each) for each in limits) and all(map(are_labels_known, labels)):
+            return True
 
-    def of(self, shown: ResolvedSpec) -> VolumeResources | NoTextures:
-        """The textures of what is shown, made if need be; those of another volume are given back."""
+        def made(_progress: object, _cancel: object) -> bool:
+            for each in limits:
+                prepare(*each)
+            for volume in labels:
+                label_indices_of(volume)
+            return True
+
+        return self._prepared.get(self.tasks, (limits, labels), made) is not None
+
+    def of(self, shown: ResolvedSpec) -> Textures:
+        """The textures of what is shown, made if need be; those of other volumes are given back."""
         needed = shown.info.uses_textures
-        if self._held is not None and (self._held.volume is not shown.volume or not needed):
+        if self._held is not None and (self._volumes != _images_and_labels(shown) or not needed):
             self.release()
         if not needed:
             return NO_TEXTURES
         if self._held is None:
-            self._held = self._window_gpu.resources(shown.volume)
+            self._volumes = _images_and_labels(shown)
+            self._held = self._window_gpu.resources(*self._volumes)
         return self._held
 
     def upload(self, shown: ResolvedSpec, budget: float) -> bool:
@@ -223,5 +251,5 @@ class VolumeTextures:
     def release(self) -> None:
         """Give them back; the context is current."""
         if self._held is not None:
-            self._window_gpu.drop(self._held)
-            self._held = None
+            self._window_gpu.drop(*self._volumes)
+            self._held, self._volumes = None, ((), ())

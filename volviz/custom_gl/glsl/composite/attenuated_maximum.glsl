@@ -1,4 +1,5 @@
 // The largest scalar, each weakened by what lies before it: max of s exp(-attenuation x integral of s so far).
+#pragma per_layer
 #define COMPOSITE_SKIPS 0
 #include "scalar_result.glsl"
 

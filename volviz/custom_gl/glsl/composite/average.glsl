@@ -1,4 +1,5 @@
 // The mean scalar along the ray, weighted by length, classified afterwards.
+#pragma per_layer
 #define COMPOSITE_SKIPS 0
 #include "scalar_result.glsl"
 

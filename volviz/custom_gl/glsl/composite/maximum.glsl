@@ -1,4 +1,5 @@
 // The largest scalar along the ray, classified afterwards.
+#pragma per_layer
 #define COMPOSITE_SKIPS 0
 #include "scalar_result.glsl"
 

@@ -1,4 +1,5 @@
 // The smallest scalar along the ray, classified afterwards.
+#pragma per_layer
 #define COMPOSITE_SKIPS 0
 #include "scalar_result.glsl"
 

@@ -34,4 +34,5 @@ TECHNIQUE = TechniqueInfo(
     study=sample_distances(converged="raycast"),
     oracle=sampled_rays,
     samples_rays=True,
+    draws_layers=True,
 )

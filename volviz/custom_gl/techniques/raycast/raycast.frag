@@ -1,5 +1,5 @@
 // Single-pass ray casting: one march per pixel, from the box's entry to its exact exit.
-#include "march.glsl"
+#include <march>
 
 in vec2 v_ndc;
 out vec4 f_color;

@@ -1,6 +1,6 @@
 // Second pass: the other faces of the box. The fragment knows one end of its ray, the first pass's target the other.
 #include "two_pass.glsl"
-#include "march.glsl"
+#include <march>
 
 uniform sampler2D t_points;   // first pass: exit points, or entry points when REVERSE; alpha 0 = no face there
 uniform vec2 u_size;          // pixels of the target

@@ -1,8 +1,8 @@
-// Hook <fetch>: stored values of eight bits, the eight around a place in one texel (gpu/packed_texels.py).
+// Hook <fetch>: stored values of eight bits, the eight around a place in one texel (gpu/corner_texels.py).
 #pragma per_layer
 
 uniform isampler3D t_scalars;
-uniform vec3 u_texel;
+uniform vec3 u_texel;    // size of a voxel = 1 / u_voxels
 
 float fetch(vec3 p) {
     vec3 index = clamp(p * u_voxels - 0.5, vec3(0.0), u_voxels - 1.0);

@@ -1,4 +1,4 @@
-// Hook <fetch>: stored values of sixteen bits, the eight around a place in one texel (gpu/packed_texels.py).
+// Hook <fetch>: stored values of sixteen bits, the eight around a place in one texel (gpu/corner_texels.py).
 #pragma per_layer
 
 uniform isampler3D t_scalars;

@@ -21,21 +21,21 @@ MOST_BYTES = 2**30
 CORNERS = 8
 
 
-def is_packed(data: npt.NDArray[Any], *, software: bool) -> bool:
-    """Whether values are packed: whole numbers of 8 or 16 bits, where OpenGL is computed on the processor."""
-    return software and data.dtype.itemsize <= 2 and data.dtype.kind == "u" and CORNERS * data.nbytes <= MOST_BYTES
+def holds_corners(voxels: int, itemsize: int, most_bytes: int) -> bool:
+    """Whether so many whole numbers of so many bytes may be stored with their neighbours."""
+    return itemsize <= 2 and CORNERS * itemsize * voxels <= min(MOST_BYTES, most_bytes)
 
 
-def empty_packed(gl: Any, data: npt.NDArray[Any]) -> Any:
-    """A texture for the packed values of an array of shape (Z, Y, X): two or four 32-bit words a texel."""
+def empty_corners(gl: Any, data: npt.NDArray[Any]) -> Any:
+    """A texture for an array of shape (Z, Y, X) with the neighbours of each value: two or four 32-bit words a texel."""
     z, y, x = data.shape
     texture = gl.texture3d((x, y, z), 2 * data.dtype.itemsize, dtype="i4", alignment=1)
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
 
 
-def packed(data: npt.NDArray[Any], start: int, stop: int) -> npt.NDArray[Any]:
-    """Planes of packed values.
+def with_neighbours(data: npt.NDArray[Any], start: int, stop: int) -> npt.NDArray[Any]:
+    """Planes of values, each with its neighbours.
 
     Parameters
     ----------
