@@ -94,7 +94,18 @@ def record() -> Record:
             if info.kind == "image":
                 found.technique = technique
                 draw(technique)
+        found.technique = DEFAULT_TECHNIQUE
+        draw_whole_numbers()
     return found
+
+
+def draw_whole_numbers() -> None:
+    """Values of 8 and 16 bits, which are stored in other ways where OpenGL is computed on the processor."""
+    for dtype in (np.uint8, np.uint16):
+        of = volume(dtype)
+        with shown(of, DEFAULT_TECHNIQUE, SIZE, transfer_function=function(of)) as (window, handle):
+            window.render()
+            handle.raise_error()
 
 
 def draw(technique: str) -> None:

@@ -441,10 +441,11 @@ class Frame:
         }
         regions = self.transfer_function.by_gradient is not None
         chosen: dict[str, str | Path] = {
-            "fetch": self.resources.fetch,
             "classify": "classify/regions.glsl" if regions else "classify/curve.glsl",
             "shade": "shade/lit.glsl" if common.shading else "shade/unlit.glsl",
         }
+        if self.joint is None:
+            chosen["fetch"] = self.resources.fetch
         program = self.gpu.programs.get(
             vertex,
             fragment,

@@ -132,8 +132,8 @@ def choose_format(
 ) -> Format:
     """Texel format for scalars of a type.
 
-    Graphics cards get the smallest format that loses nothing, and so do shaders that interpolate by themselves. Software
-    rasterisers filter float32 fastest, as long as memory allows it.
+    Graphics cards get the smallest format that loses nothing, and so do shaders that interpolate by themselves.
+    Software rasterisers filter float32 fastest, as long as memory allows it.
     """
     if dtype.kind == "f" or dtype.itemsize > 2:
         return "f4"

@@ -368,6 +368,9 @@ class VolumeResources:
             return layer_name(name, layer) in program.units
 
         program.use_texture("t_scalars", self.scalars, layer)
+        if self._has_corners:
+            z, y, x = self.texels.data.shape
+            program.set({"u_texels": (x, y, z), "u_texel": (1.0 / x, 1.0 / y, 1.0 / z)}, layer)
         for name in ("t_segments", "t_table"):
             if asked(name):
                 table = self.table(

@@ -34,7 +34,6 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_size": tuple(float(n) for n in frame.size),
         "u_scalar_map": (texels.scale, texels.offset),
         "u_voxels": tuple(1.0 / scale),
-        "u_texel": tuple(scale),
         "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
         "u_gradient_delta": common.gradient_delta,
         "u_density_threshold": common.density_threshold,

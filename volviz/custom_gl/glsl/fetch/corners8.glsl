@@ -2,10 +2,11 @@
 #pragma per_layer
 
 uniform isampler3D t_scalars;
-uniform vec3 u_texel;    // size of a voxel = 1 / u_voxels
+uniform vec3 u_texels;    // number of texels along each axis
+uniform vec3 u_texel;     // size of one = 1 / u_texels
 
 float fetch(vec3 p) {
-    vec3 index = clamp(p * u_voxels - 0.5, vec3(0.0), u_voxels - 1.0);
+    vec3 index = clamp(p * u_texels - 0.5, vec3(0.0), u_texels - 1.0);
     vec3 base = floor(index);
     vec3 f = index - base, g = 1.0 - f;
     ivec2 c = textureLod(t_scalars, (base + 0.5) * u_texel, 0.0).rg;
