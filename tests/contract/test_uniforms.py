@@ -20,6 +20,7 @@ from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import MODES
 from volviz.custom_gl.shader_source import GLSL, ShaderText
 from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
 from volviz.model.transfer.function_2d import Region, TransferFunction2D
 
@@ -132,6 +133,13 @@ def draw(technique: str) -> None:
         show(
             transfer_function=volviz.TransferFunction(curve.points, by_gradient=TransferFunction2D((region,)))
         )
+        # narrower than two entries of the usual table
+        narrow = [
+            (low, (0, 0, 0, 0)),
+            *((low + 1e-4 * i, (1, 0, 0, i % 2)) for i in (1, 2, 3)),
+            (high, (0, 0, 0, 1)),
+        ]
+        show(transfer_function=volviz.TransferFunction.from_points(narrow))
         show(transfer_function=curve)
         for display, _ in handle.technique.debug_views:
             show(display=display)

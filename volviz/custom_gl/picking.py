@@ -126,8 +126,9 @@ class Sight:
             found = function.evaluate(values, self.volume.range)[:, 3]
         else:
             found = function.by_gradient.evaluate(values, self.gradients(t))[:, 3] * function.opacity
-        low, high = self.volume.range
-        threshold = low + self.common.density_threshold * (high - low)
+        low, high = self.volume.bulk_range
+        share = self.common.density_threshold
+        threshold = low + share * (high - low) if share > 0 else -np.inf
         return np.where(values < threshold, 0.0, np.clip(found, 0.0, 1 - 1e-9))
 
     def picked(self, t: float, isovalue: float | None = None) -> Picked:

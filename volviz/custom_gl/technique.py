@@ -419,9 +419,9 @@ class Frame:
         vertex, fragment : Path
             Shader files.
         defines : mapping, optional
-            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at), ``CLIP_PLANES`` (their number) and
-            ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY``, which follow the settings of these names; can
-            override them.
+            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at), ``CLIP_PLANES`` (their number),
+            ``TABLE_FOLDED`` (a table of more than one row) and ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY``, which
+            follow the settings of these names; can override them.
         hooks : mapping, optional
             Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
             unless they are named.
@@ -438,6 +438,7 @@ class Frame:
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,
+            "TABLE_FOLDED": self.joint is None and self.resources.folds_table(self.transfer_function),
         }
         regions = self.transfer_function.by_gradient is not None
         chosen: dict[str, str | Path] = {

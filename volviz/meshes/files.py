@@ -1,16 +1,25 @@
-"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, always in world coordinates."""
+"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, in world coordinates.
+
+STL, PLY and glTF are written with 32-bit floats. A mesh so far from the origin that these would spoil it is moved
+nearer for them, and the caller is told by how much.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from volviz import environment
 from volviz.errors import Cancelled, InputError, VolvizError
 
 environment.prepare()
 
+from vtkmodules.util.numpy_support import numpy_to_vtk  # noqa: E402
+from vtkmodules.vtkCommonCore import vtkPoints  # noqa: E402
 from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet  # noqa: E402
 from vtkmodules.vtkIOGeometry import vtkGLTFWriter, vtkOBJWriter, vtkSTLWriter  # noqa: E402
 from vtkmodules.vtkIOPLY import vtkPLYWriter  # noqa: E402
@@ -33,6 +42,9 @@ FORMAT_NAMES = {
 }
 MESH_FORMATS = tuple(FORMAT_NAMES)
 
+#: Relative rounding of a 32-bit float, and what of it is bearable, as a share of the size of the mesh.
+RELATIVE_ROUNDING, BEARABLE = 2.0**-24, 1e-6
+
 
 def save_mesh(
     mesh: pyvista.PolyData,
@@ -41,7 +53,7 @@ def save_mesh(
     overwrite: bool = True,
     progress: Callable[[float], object] | None = None,
     cancel: Callable[[], bool] | None = None,
-) -> None:
+) -> str:
     """Write a mesh to a file in world coordinates; the ending chooses the format.
 
     Parameters
@@ -57,6 +69,11 @@ def save_mesh(
     cancel : callable, optional
         When it returns True the work ends with `Cancelled` and without a file.
 
+    Returns
+    -------
+    str
+        A sentence for the user where the mesh had to be moved for a format of 32-bit floats; nearly always empty.
+
     Raises
     ------
     InputError
@@ -71,12 +88,14 @@ def save_mesh(
         raise InputError(
             f"{target.name}: the mesh is empty, so nothing was written; choose another isovalue."
         )
+    near, note = _near_origin(mesh, target)
     with written_beside(target) as part:
-        write_by_vtk(_writer(mesh, part.suffix.lower()), part, progress, cancel)
+        write_by_vtk(_writer(near, part.suffix.lower()), part, progress, cancel)
         if cancel is not None and cancel():
             raise Cancelled(f"Writing {target.name} was cancelled.")
         if not part.stat().st_size:
             raise VolvizError(f"{target}: nothing could be written; check the free space.")
+    return note
 
 
 def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
@@ -95,6 +114,33 @@ def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
             f"{target.name}: a mesh is written as {', '.join(MESH_FORMATS)}; choose one of these endings."
         )
     return check_target(target, overwrite=overwrite)
+
+
+def _near_origin(mesh: pyvista.PolyData, target: Path) -> tuple[pyvista.PolyData, str]:
+    """The mesh as the format can hold it, and what to tell: moved where 32-bit floats would spoil it."""
+    if target.suffix.lower() in (".obj", ".vtp"):
+        return mesh, ""
+    points = np.asarray(mesh.points)
+    extent = float(np.ptp(points, axis=0).max())
+    if (
+        points.dtype != np.float64
+        or extent == 0.0
+        or np.abs(points).max() * RELATIVE_ROUNDING <= BEARABLE * extent
+    ):
+        return mesh, ""
+    # by round numbers, which people can type
+    unit = 10.0 ** math.ceil(math.log10(extent))
+    shift = np.floor(points.min(axis=0) / unit) * unit
+    near = mesh.copy(deep=False)
+    # not by the property, which writes into the points that both share
+    moved = vtkPoints()
+    moved.SetData(numpy_to_vtk((points - shift).astype(np.float32), deep=True))
+    near.SetPoints(moved)
+    numbers = ", ".join(f"{v:.15g}" for v in shift)
+    return near, (
+        f"{target.name}: the format holds 32-bit floats, too coarse for positions so far from the origin; the mesh was "
+        f"moved by the negative of ({numbers}). As .obj or .vtp it keeps its place."
+    )
 
 
 def _writer(mesh: pyvista.PolyData, ending: str) -> Any:

@@ -124,7 +124,8 @@ class ReferenceLayer:
         at = np.linspace(first, last, len(self.table))
         rgba = np.stack([np.interp(values, at, self.table[:, c]) for c in range(4)], axis=1)
         low, high = self.value_range
-        rgba[values < low + density_threshold * (high - low), 3] = 0.0
+        if density_threshold > 0:
+            rgba[values < low + density_threshold * (high - low), 3] = 0.0
         return rgba
 
 
@@ -463,7 +464,8 @@ def _of_scalar(
     seen, result, depth = np.zeros(count), np.zeros(count), np.zeros(count)
     low, high = layer.value_range
     span = high - low
-    lowest = low + march.sampling.density_threshold * span
+    threshold = march.sampling.density_threshold
+    lowest = low + threshold * span if threshold > 0 else -np.inf
     for there, begin, piece, at in march.segments(step, first_sample):
         length = piece * march.share(layer, there, begin, piece)
         _, values = march.values(layer, there, at)

@@ -212,14 +212,17 @@ class VolumeSource(ABC):
         """Values that were read, shape (z, y, x), with the geometry of their level or box."""
         level = self.levels[request.level]
         lattice = level if request.box is None else level.part(request.box)
+        scalars = np.asanyarray(array)
+        described = {**self.metadata, **metadata}
+        described["notes"] = (*described.get("notes", ()), *_notes_on_values(scalars))
         return Volume(
-            array,
+            scalars,
             lattice.spacing,
             lattice.origin,
             lattice.direction,
             unit=self.unit,
             name=self.name,
-            metadata={**self.metadata, **metadata},
+            metadata=described,
         )
 
     def channel_number(self, channel: int | str) -> int:
@@ -249,6 +252,23 @@ class VolumeSource(ABC):
             checked_number("time", time, sizes.get("t", 1), self.name),
             None if channel is None else self.channel_number(channel),
         )
+
+
+def _notes_on_values(scalars: npt.NDArray[Any]) -> tuple[str, ...]:
+    """What the user must know of the values themselves: which of them are no data."""
+    from volviz.kernels.outliers import no_data_of
+
+    if scalars.ndim != 3 or not scalars.size or scalars.dtype.kind not in "iuf":
+        return ()
+    found = no_data_of(scalars)
+    if not found.values:
+        return ()
+    numbers = " and ".join(f"{value:.7g}" for value in found.values)
+    stand, out = ("stands", "it") if len(found.values) == 1 else ("stand", "them")
+    share = f"about {found.share:.0%}" if found.share >= 0.01 else "less than 1%"
+    return (
+        f'{numbers} {stand} for "no data", it seems ({share} of the voxels); the first look leaves {out} out.',
+    )
 
 
 def checked_number(what: str, value: int, count: int, name: str) -> int:

@@ -2,21 +2,34 @@
 #pragma per_layer
 
 #ifdef TABLE
-// The curves of several layers, straight RGBA over the parts of the range where they change: this one in the row at
-// TABLE_ROW.
+// The curves of several layers, straight RGBA over the parts of the range where they change: this one in the rows from
+// TABLE_ROW or TABLE_BASE on.
 uniform float u_table_entry;               // width of an entry = 1 / number of entries in a row
 #else
 // The curve, straight, over the part of the range where it changes: a texel from each entry to the next
 // (`segment_texels` in gpu/context.py).
 uniform isampler2D t_segments;
-uniform float u_table_segment;             // width of a segment = 1 / (number of entries - 1)
+uniform float u_table_segment;             // width of a segment = 1 / number of segments in a row
 // 1 / 2047, 1 / (2047 * 2^11), 1 / 1023: green is left where it stands in its word.
 const vec3 COLOR_STEPS = vec3(4.8851978505e-4, 2.3853505129e-7, 9.7751710655e-4);
 #endif
 uniform vec2 u_table_map;                  // position in the table, 0..1 = fraction of the data range * x + y
 uniform float u_table_last;                // number of entries - 1
+#if TABLE_FOLDED
+uniform float u_table_row;                 // height of a row: the table goes on in the next one
+#endif
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / length to which opacities of the table belong, per world unit
+
+#if TABLE_FOLDED
+#ifdef TABLE
+// An entry of a table that takes several rows, from 0.
+vec4 table_entry(float i) {
+    float position = (i + 0.5) * u_table_entry;
+    return textureLod(TABLE, vec2(fract(position), (TABLE_BASE + floor(position) + 0.5) * u_table_row), 0.0);
+}
+#endif
+#endif
 
 // Straight RGBA of the curve over the value.
 vec4 curve_color(float s) {
@@ -24,10 +37,18 @@ vec4 curve_color(float s) {
     float i = min(floor(x), u_table_last - 1.0);
 #ifdef TABLE
     // two lookups and a mix: a linear filter would mix the rows
+#if TABLE_FOLDED
+    vec4 c = mix(table_entry(i), table_entry(i + 1.0), x - i);
+#else
     vec2 entry = vec2((i + 0.5) * u_table_entry, TABLE_ROW);
     vec4 c = mix(textureLod(TABLE, entry, 0.0), textureLod(TABLE, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
+#endif
 #else
-    ivec4 ends = textureLod(t_segments, vec2((i + 0.5) * u_table_segment, 0.5), 0.0);
+    vec2 segment = vec2((i + 0.5) * u_table_segment, 0.5);
+#if TABLE_FOLDED
+    segment = vec2(fract(segment.x), (floor(segment.x) + 0.5) * u_table_row);
+#endif
+    ivec4 ends = textureLod(t_segments, segment, 0.0);
     vec3 first = vec3(ends.x & 2047, ends.x & 4192256, (ends.x >> 22) & 1023);
     vec3 second = vec3(ends.y & 2047, ends.y & 4192256, (ends.y >> 22) & 1023);
     vec2 opacities = intBitsToFloat(ends.zw);

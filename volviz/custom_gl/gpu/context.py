@@ -151,10 +151,10 @@ class Gpu:
         self.uploads += 1
         return texture
 
-    def segments_texture(self, table: npt.NDArray[np.float32]) -> Any:
-        """A texture of `segment_texels`, one row."""
-        texels = segment_texels(table)
-        texture = self.gl.texture((texels.shape[1], 1), 4, texels.tobytes(), dtype="i4")
+    def segments_texture(self, texels: npt.NDArray[np.int32]) -> Any:
+        """A texture of `segment_texels`, perhaps in several rows."""
+        height, width, _ = texels.shape
+        texture = self.gl.texture((width, height), 4, np.ascontiguousarray(texels).tobytes(), dtype="i4")
         texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         texture.repeat_x = texture.repeat_y = False
         self.uploads += 1

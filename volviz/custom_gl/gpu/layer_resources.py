@@ -33,7 +33,8 @@ from volviz.errors import RenderError
 from volviz.kernels.bricks import brick_grid_shape, grow_occupancy
 from volviz.model.label_palette import ShownLabels
 from volviz.model.layers import LayerMode
-from volviz.model.transfer.tables import baked
+from volviz.model.transfer.function import MAX_TABLE
+from volviz.model.transfer.tables import baked, rows_of
 from volviz.volume_data.scalars import BRICK, texture_data_of
 from volviz.volume_data.volume import Volume
 
@@ -211,8 +212,12 @@ class LayerResources:
         across, first_planes = self._atlas()
         found: list[dict[str, Any]] = []
         for number, layer in enumerate(frame.layers):
-            by_value = layer.labels is None and layer.transfer_function.by_gradient is None
-            edges = {"u_table_entry": 1.0 / width} if by_value else {}
+            edges = {}
+            if layer.labels is None and layer.transfer_function.by_gradient is None:
+                edges = {
+                    "u_table_entry": 1.0 / min(width, MAX_TABLE),
+                    "u_table_row": 1.0 / (sum(one.labels is None for one in frame.layers) * rows_of(width)),
+                }
             found.append(
                 edges
                 | {
@@ -232,14 +237,7 @@ class LayerResources:
 
     @staticmethod
     def _table_width(layers: Sequence[LayerFrame]) -> int:
-        return max(
-            (
-                int(layer.uniforms["u_table_last"]) + 1
-                for layer in layers
-                if layer.labels is None and layer.transfer_function.by_gradient is None
-            ),
-            default=1,
-        )
+        return max(_entries(layers), default=1)
 
     def bind(self, program: Program, frame: JointFrame) -> None:
         """Bind every texture that a program of several layers asks for."""
@@ -257,12 +255,14 @@ class LayerResources:
         images = [layer for layer in frame.layers if layer.labels is None]
         functions = tuple(layer.transfer_function for layer in images)
         if self._tables is None or self._tables[0] != functions:
-            rows = np.zeros((len(functions), self._table_width(images), 4), np.float32)
+            width = self._table_width(images)
+            height, width = rows_of(width), min(width, MAX_TABLE)
+            rows = np.zeros((len(functions), height * width, 4), np.float32)
             for row, layer in zip(rows, images, strict=True):
                 if layer.transfer_function.by_gradient is None:
                     texels = baked(layer.transfer_function, layer.volume).texels[0]
                     row[: len(texels)] = texels
-            texture = self.gpu.table_texture(rows)
+            texture = self.gpu.table_texture(rows.reshape(-1, width, 4))
             # rows belong to different layers
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
             self._tables = self._instead(self._tables, functions, texture)
@@ -323,11 +323,22 @@ class LayerResources:
         self._tables = self._distances = None
 
 
+def _entries(layers: Sequence[LayerFrame]) -> list[int]:
+    """Number of entries of the table of each layer that has one over the value."""
+    return [
+        int(layer.uniforms["u_table_last"]) + 1
+        for layer in layers
+        if layer.labels is None and layer.transfer_function.by_gradient is None
+    ]
+
+
 def layer_defines(arrangement: Arrangement, layers: Sequence[LayerFrame]) -> dict[str, object]:
     """What ``glsl/march_layers.glsl`` must know of the layers of a frame."""
     images = [layer for layer in layers if layer.labels is None]
+    height = rows_of(max(_entries(layers), default=1))
     defines: dict[str, object] = {
         "LAYERS": len(images), "LABELS": len(layers) - len(images), "LATTICES": len(arrangement.leads),
+        "TABLE_FOLDED": height > 1,
     }  # fmt: skip
     for n, layer in enumerate(layers):
         lead = arrangement.lattices[n]
@@ -342,6 +353,7 @@ def layer_defines(arrangement: Arrangement, layers: Sequence[LayerFrame]) -> dic
             own |= {
                 "PACK": layer_name("t_scalars", pack), "COMPONENT": component,
                 "TABLE": "t_layer_tables", "TABLE_ROW": (n + 0.5) / len(images),
+                "TABLE_BASE": float(n * height),
             }  # fmt: skip
         else:
             own |= {

@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.context import Gpu, segment_texels
 from volviz.custom_gl.gpu.corner_texels import CORNERS, empty_corners, holds_corners, with_neighbours
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
@@ -22,8 +22,8 @@ from volviz.kernels.bricks import (
     occupancy_for_isovalues,
     visible_prefix,
 )
-from volviz.model.transfer.function import TransferFunction, table_size
-from volviz.model.transfer.tables import Table, baked, plane_ranges, table_entries
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction
+from volviz.model.transfer.tables import Table, baked, plane_ranges, rows_of, table_entries
 from volviz.tasks import LatestResult, Tasks
 from volviz.volume_data.scalars import (
     BRICK,
@@ -195,11 +195,9 @@ class VolumeResources:
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
             texels = table.texels if length is None else table.per_length(length)
-            return (
-                self.gpu.segments_texture(texels)
-                if table.gradients is None
-                else self.gpu.table_texture(texels)
-            )
+            if table.gradients is None:
+                return self.gpu.segments_texture(Table.folded(segment_texels(texels)))
+            return self.gpu.table_texture(texels)
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
         return self._cached(self._tables, "table" if length is None else "table per length", key, make)
@@ -210,7 +208,7 @@ class VolumeResources:
 
         def make() -> Any:
             data_range = self._preintegration_range(transfer_function)
-            table = transfer_function.bake(data_range, self._entries(data_range))
+            table = transfer_function.bake(data_range, self._entries(transfer_function, data_range))
             table[: self._below(threshold, data_range, len(table)), 3] = 0.0
             return self.gpu.table_texture(preintegration_table(table, 1.0, size))
 
@@ -218,7 +216,7 @@ class VolumeResources:
 
     def _below(self, threshold: float, data_range: tuple[float, float], entries: int) -> int:
         """Number of entries of a table over a range that lie below a density threshold."""
-        (low, high), (first, last) = self.volume.range, data_range
+        (low, high), (first, last) = self.volume.bulk_range, data_range
         share = (low + threshold * (high - low) - first) / (last - first) if last > first else 0.0
         return min(max(int(np.ceil(share * (entries - 1))), 0), entries) if threshold > 0 else 0
 
@@ -229,8 +227,12 @@ class VolumeResources:
             self._last_table = (key, baked(transfer_function, self.volume, interactive=interactive))
         return self._last_table[1]
 
-    def _entries(self, data_range: tuple[float, float]) -> int:
-        return table_size(data_range, self.volume.array.dtype.kind in "iu")
+    def _entries(self, function: TransferFunction, data_range: tuple[float, float]) -> int:
+        return function.table_size(data_range, integer=self.volume.array.dtype.kind in "iu")
+
+    def folds_table(self, function: TransferFunction) -> bool:
+        """Whether the table of a function takes several rows of its texture."""
+        return function.by_gradient is None and rows_of(table_entries(function, self.volume)[0]) > 1
 
     def table_uniforms(self, transfer_function: TransferFunction, *, interactive: bool) -> dict[str, Any]:
         """Uniforms of ``glsl/classification.glsl`` that say where a value and a gradient lie in the table."""
@@ -240,10 +242,11 @@ class VolumeResources:
             return {
                 "u_table_map": self._lookup(data_range),
                 "u_table_last": float(columns - 1),
-                "u_table_segment": 1.0 / (columns - 1),
+                "u_table_segment": 1.0 / min(columns - 1, MAX_TABLE),
+                "u_table_row": 1.0 / rows_of(columns - 1),
             }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
-        low, high = self.volume.range
+        low, high = self.volume.bulk_range
         height = gradients[1] - gradients[0]
         return {
             "u_table_map": self._lookup(values),
@@ -253,8 +256,8 @@ class VolumeResources:
         }
 
     def _lookup(self, data_range: tuple[float, float]) -> tuple[float, float]:
-        """From fractions of the data range to positions in a table: scale and offset."""
-        (low, high), (first, last) = self.volume.range, data_range
+        """From fractions of the bulk's range to positions in a table: scale and offset."""
+        (low, high), (first, last) = self.volume.bulk_range, data_range
         span = last - first if last > first else 1.0
         return (high - low) / span, (low - first) / span
 
