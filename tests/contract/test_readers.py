@@ -18,6 +18,7 @@ import pytest
 import tifffile
 
 import volviz
+from tests.unit.io import stores
 from tests.unit.io.writers import dicom_slice, itk, scalars
 from volviz.cli import main
 from volviz.errors import Cancelled, InputError, LoadError, VolvizError
@@ -80,6 +81,10 @@ def images(folder: Path) -> Path:
     return stack
 
 
+def zarr(folder: Path) -> Path:
+    return stores.zipped(stores.image(folder / "v", [ARRAY], [(1, 1, 1)]), folder / "v.zarr.zip")
+
+
 GEOMETRY: dict[str, Any] = {"spacing": (1, 1, 1), "origin": (0, 0, 0)}
 WRITERS = {
     "NIfTI": nifti,
@@ -88,6 +93,7 @@ WRITERS = {
     "VTK image": vtk_xml,
     "TIFF": tiff,
     "DICOM": dicom,
+    "Zarr": zarr,
     "Pictures": images,
     "NumPy": numpy_file,
     "Raw": raw,

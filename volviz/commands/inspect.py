@@ -64,6 +64,19 @@ def run_info(options: argparse.Namespace) -> int:
     if "c" in found["sizes"]:
         names = ", ".join(name for name in found["channels"] if name)
         rows.append(("channels", f"{found['sizes']['c']}{f' ({names})' if names else ''}"))
+    if len(found["levels"]) > 1:
+        rows += [
+            (f"level {number}", " x ".join(str(n) for n in level["dims"]) + ", spacing "
+             + " x ".join(f"{s:g}" for s in level["spacing"]) + length)
+            for number, level in enumerate(found["levels"])
+        ]  # fmt: skip
+    if found["labels"]:
+        named = ", ".join(f"{number} {name}".strip() for number, name in found["labels"][:12])
+        rows.append(
+            ("labels", f"{len(found['labels'])}: {named}{', …' if len(found['labels']) > 12 else ''}")
+        )
+    if len(found["series"]) > 1:
+        rows += [("holds", words) for words in found["series"]]
     if found["nonfinite"]:
         rows.append(("not finite", f"{found['nonfinite']} values, drawn as the lowest one"))
     rows += [("note", note) for note in found["notes"]]

@@ -70,7 +70,7 @@ def open(  # noqa: A001 - what it does, as `volviz.open`
 def load(
     path: str | os.PathLike[str],
     *,
-    level: int = 0,
+    level: int | None = None,
     time: int | None = None,
     channel: int | str | None = None,
     box: Sequence[int] | None = None,
@@ -85,8 +85,9 @@ def load(
     path, **hints
         As for `open`.
     level, time, channel : int, optional
-        Which part of a larger file, counted from 0 (a channel by its name, too); default: the finest level, the
-        first time point, and the first channel or the brightness of colours.
+        Which part of a larger file, counted from 0 (a channel by its name, too); default: the finest level that
+        fits into memory, the first time point, and the first channel or the brightness of colours. A box alone
+        is one of level 0.
     box : sequence of 6 ints, optional
         Voxels (i0, i1, j0, j1, k0, k1) to read, those of i1, j1 and k1 no more.
     progress : callable(fraction, text), optional
@@ -111,7 +112,9 @@ def load(
     Cancelled
     """
     source = open(path, progress=progress, cancel=cancel, **hints)
-    volume = source.read(level, 0 if time is None else time, channel, box, cancel, progress)
+    if level is None:
+        level = source.default_level if box is None else 0
+    volume = source.read(level, time, channel, box, cancel, progress)
     LoadRequest(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
     return volume
 
@@ -136,10 +139,13 @@ def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
     dict
         "name", "format", "source", "dims" (x, y, z), "dtype", "bytes", "spacing", "origin", "direction"
         (9 values, row by row), "length_unit", "unit", "range", "nonfinite", "notes"; of the whole file "sizes"
-        (axis: size), "channels" (names) and "times" (seconds or None).
+        (axis: size), "channels" (names), "times" (seconds or None), "levels" (each with "dims", "spacing" and
+        "origin"), "labels" (numbers and names) and "series" (what else the file holds, in words).
     """
     chosen = {name: hints.pop(name) for name in PART if hints.get(name) is not None}
     source = open(path, **{name: value for name, value in hints.items() if name not in PART})
+    if "level" not in chosen and "box" not in chosen:
+        chosen["level"] = source.default_level
     volume = source.read(**chosen)
     low, high = volume.range
     return {
@@ -160,6 +166,12 @@ def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
         "sizes": source.sizes,
         "channels": [channel.name for channel in source.channels] if "c" in source.axes else [],
         "times": None if source.times is None else list(source.times),
+        "levels": [
+            {"dims": list(each.dimensions), "spacing": list(each.spacing), "origin": list(each.origin)}
+            for each in source.levels
+        ],
+        "labels": [[one.number, one.name] for one in source.labels],
+        "series": [each.words for each in source.entries],
     }
 
 
