@@ -10,8 +10,8 @@ uniform float u_table_entry;               // width of an entry = 1 / number of 
 // (`segment_texels` in gpu/context.py).
 uniform isampler2D t_segments;
 uniform float u_table_segment;             // width of a segment = 1 / number of segments in a row
-// 1 / 2047, 1 / (2047 * 2^11), 1 / 1023: green is left where it stands in its word.
-const vec3 COLOR_STEPS = vec3(4.8851978505e-4, 2.3853505129e-7, 9.7751710655e-4);
+// 1 / 8191, 1 / (8191 * 2^13), 1 / 8191: green is left where it stands in its word.
+const vec3 COLOR_STEPS = vec3(1.2208521548e-4, 1.4902980405e-8, 1.2208521548e-4);
 #endif
 uniform vec2 u_table_map;                  // position in the table, 0..1 = fraction of the data range * x + y
 uniform float u_table_last;                // number of entries - 1
@@ -49,9 +49,10 @@ vec4 curve_color(float s) {
     segment = vec2(fract(segment.x), (floor(segment.x) + 0.5) * u_table_row);
 #endif
     ivec4 ends = textureLod(t_segments, segment, 0.0);
-    vec3 first = vec3(ends.x & 2047, ends.x & 4192256, (ends.x >> 22) & 1023);
-    vec3 second = vec3(ends.y & 2047, ends.y & 4192256, (ends.y >> 22) & 1023);
-    vec2 opacities = intBitsToFloat(ends.zw);
+    ivec2 blues = (ends.xy >> 26) & 63 | (ends.zw & 127) << 6;
+    vec3 first = vec3(ends.x & 8191, ends.x & 67100672, blues.x);
+    vec3 second = vec3(ends.y & 8191, ends.y & 67100672, blues.y);
+    vec2 opacities = intBitsToFloat(ends.zw & ~127);
     vec4 c = vec4(mix(first, second, x - i) * COLOR_STEPS, mix(opacities.x, opacities.y, x - i));
 #endif
     return s < u_density_threshold ? vec4(0.0) : c;

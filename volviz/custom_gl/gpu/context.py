@@ -180,13 +180,14 @@ def segment_texels(table: npt.NDArray[np.float32]) -> npt.NDArray[np.int32]:
     Returns
     -------
     ndarray of shape (1, N - 1, 4), int32
-        Colour of the first and of the second end, 11 bits for red and green and 10 for blue, red lowest; opacities of
-        both ends, the bits of 32-bit floats.
+        For the first and the second end: red in the lowest 13 bits, then 13 of green and the lower 6 of blue; for both
+        ends: the bits of the opacity as a 32-bit float, in whose lowest 7 stand the upper ones of blue.
     """
-    steps = np.array([2047, 2047, 1023])
-    red, green, blue = np.moveaxis(
-        np.rint(np.clip(table[..., :3], 0.0, 1.0) * steps).astype(np.uint32), -1, 0
-    )
-    colors = (red | green << np.uint32(11) | blue << np.uint32(22)).view(np.int32)
-    opacities = np.ascontiguousarray(table[..., 3], np.float32).view(np.int32)
-    return np.stack([colors[:, :-1], colors[:, 1:], opacities[:, :-1], opacities[:, 1:]], axis=-1)
+    colors = np.rint(np.clip(table[..., :3], 0.0, 1.0) * 8191.0).astype(np.uint32)
+    red, green, blue = np.moveaxis(colors, -1, 0)
+    words = red | green << np.uint32(13) | (blue & np.uint32(63)) << np.uint32(26)
+    opacities = np.ascontiguousarray(table[..., 3], np.float32).view(np.uint32)
+    # to the nearest of those that are left
+    opacities = (opacities + np.uint32(64)) & ~np.uint32(127) | blue >> np.uint32(6)
+    ends = [words[:, :-1], words[:, 1:], opacities[:, :-1], opacities[:, 1:]]
+    return np.stack(ends, axis=-1).view(np.int32)
