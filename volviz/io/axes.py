@@ -89,7 +89,7 @@ def to_zyx(
         axes = axes.replace("S", "")
         count = array.shape[-1]
         if are_colours("S", (count,), array.dtype, colour) and request.channel is None:
-            request.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
+            request.note("Colours are shown as their brightness; their components are channels 0, 1 and 2.")
             array = brightness(array)
         else:
             array = array[..., choose(request, "S", count)]

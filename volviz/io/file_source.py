@@ -60,7 +60,8 @@ class FileSource(VolumeSource):
         self, load: LoadRequest, description: Description, values: Values, entries: Sequence[Entry] = ()
     ) -> None:
         super().__init__(description)
-        self.load = load
+        # who opened it need not be told of what is read
+        self.load = replace(load, progress=None, cancel=None)
         self.values = values
         self._entries = tuple(entries)
 
@@ -90,7 +91,8 @@ class FileSource(VolumeSource):
     def read_volume(self, request: ReadRequest) -> Volume:
         """The values with their geometry, and with what was noted at opening and reading."""
         load = replace(
-            self.load, level=request.level, time=request.time or None, channel=request.channel, box=request.box,
+            self.load, level=request.level, time=request.time if request.time_chosen else None,
+            channel=request.channel, box=request.box,
             progress=request.progress, cancel=request.cancel, notes=list(self.load.notes),
         )  # fmt: skip
         with told_in_a_sentence(load):

@@ -114,7 +114,7 @@ def load(
     source = open(path, progress=progress, cancel=cancel, **hints)
     if level is None:
         level = source.default_level if box is None else 0
-    volume = source.read(level, 0 if time is None else time, channel, box, cancel, progress)
+    volume = source.read(level, time, channel, box, cancel, progress)
     LoadRequest(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
     return volume
 

@@ -248,10 +248,10 @@ class MainWindow(QMainWindow):
 
     # ------------------------------------------------------------------ opening
 
-    def open(self, source: str) -> None:
-        """Open a file, a folder or ``sample:<id>``."""
-        if source.startswith(SAMPLE_PREFIX):
-            self.documents.open(source)
+    def open(self, source: str, **hints: Any) -> None:
+        """Open a file, a folder or ``sample:<id>``; hints as for `volviz.load`."""
+        if source.startswith(SAMPLE_PREFIX) or hints:
+            self.documents.open(source, **hints)
         else:
             self.file_commands.open_path(source)
 

@@ -10,6 +10,7 @@ from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QApplication, QFileDialog
 
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
+from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import VolumeKey
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
@@ -18,6 +19,7 @@ from volviz_ui.dialogs.export_image import ExportImageDialog
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.job_progress import show_job
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
+from volviz_ui.dialogs.save_volume import SaveVolumeDialog
 from volviz_ui.session.documents import SAMPLE_PREFIX, title_of
 from volviz_ui.session.mesh_summary import shows_mesh
 from volviz_ui.session.script import script_of
@@ -69,6 +71,11 @@ class FileCommands(QObject):
                     self._sessions.save_session, keys=(standard.Save,), icon="floppy-disk", enabled=has_volume,
                 ),
                 None,
+                Command(
+                    "file.save_volume", tr("Save vo&lume…"),
+                    tr("Write the volume, or a part of it, to a file of another format"), self.save_volume,
+                    icon="floppy-disk", enabled=has_volume,
+                ),
                 Command(
                     "file.export_picture", tr("&Export picture…"), tr("Draw the picture at any size into a file"),
                     self.export_image, keys=("Ctrl+E",), icon="export", enabled=has_volume,
@@ -257,6 +264,21 @@ class FileCommands(QObject):
         for job in list(self._jobs):
             job.cancel()
 
+    def save_volume(self) -> SaveVolumeDialog | None:
+        """Ask for format, part and file, and write the volume; None where there is none."""
+        documents = self._context.documents
+        volume, source, layer = documents.volume, documents.source, documents.shown.scene.layer
+        if volume is None or layer is None:
+            return None
+        dialog = SaveVolumeDialog(
+            source or ArraySource(volume), volume, layer.channel, layer.time, documents.shown.scene.clipping.crop,
+            self._context.workers, self._context.preferences.folder, self._context.window,
+        )  # fmt: skip
+        dialog.saved.connect(self._on_file_saved)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
     def export_mesh(self) -> ExportMeshDialog | None:
         """Ask for format and file, and write the mesh that is shown; None where there is none."""
         summary = self._context.surface.summary
@@ -265,12 +287,12 @@ class FileCommands(QObject):
         dialog = ExportMeshDialog(
             summary, self._context.workers, self._context.preferences.folder, self._context.window
         )
-        dialog.saved.connect(self._on_mesh_saved)
+        dialog.saved.connect(self._on_file_saved)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
 
-    def _on_mesh_saved(self, path: str) -> None:
+    def _on_file_saved(self, path: str) -> None:
         self._context.preferences.folder = str(Path(path).parent)
         self._context.messages.show_status(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
 

@@ -10,6 +10,7 @@ from volviz_ui.panels.clip_planes import ClipPlanes
 from volviz_ui.panels.crop import CropBox
 from volviz_ui.panels.histogram import HistogramView
 from volviz_ui.panels.panel import Panel, Section
+from volviz_ui.panels.part import PartChooser
 from volviz_ui.panels.value_label import ValueLabel
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import volume_of
@@ -19,7 +20,7 @@ from volviz_ui.widgets.small import quiet_label
 
 
 class DataPanel(Panel):
-    """Facts about the volume, its histogram, crop box and clip planes."""
+    """Facts about the volume, which part of it is shown, its histogram, crop box and clip planes."""
 
     def __init__(
         self, store: Store, documents: Documents, workers: Workers, parent: QWidget | None = None
@@ -49,6 +50,12 @@ class DataPanel(Panel):
         self.notes.setToolTip(self.tr("What the reader has to say about the file"))
         properties.add_wide(self.notes)
 
+        part = Section(self.tr("Channel and time"), parent=self)
+        self.part = PartChooser(store, documents, self)
+        part.add_wide(self.part)
+        self.part.needed.connect(part.setVisible)
+        part.setVisible(False)
+
         shown = Section(self.tr("Histogram"), parent=self)
         self.histogram = HistogramView(documents, workers, self)
         shown.add_wide(self.histogram)
@@ -60,7 +67,7 @@ class DataPanel(Panel):
         planes = Section(self.tr("Clip planes"), parent=self)
         self.planes = ClipPlanes(store, documents, self)
         planes.add_wide(self.planes)
-        for section in (properties, shown, crop, planes):
+        for section in (properties, part, shown, crop, planes):
             self.add(section)
         show_value(documents, volume_of, self._show_volume)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,12 +21,15 @@ from volviz.model.store import Store
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
 from volviz.volume_data.scalars import bricks_of
+from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.volume_cache import VolumeCache
 from volviz_ui.session.workers import Task, Workers
 
 SAMPLE_PREFIX = "sample:"
+SOURCES = 8
+"""Files whose headers are kept."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,7 @@ class Opened:
 
     key: VolumeKey
     volume: Volume
+    source: VolumeSource
     transfer_function: TransferFunction
     technique: str | None = None
     settings: Any = None
@@ -66,6 +70,7 @@ class Documents(QObject):
         self._store = store
         self._workers = workers
         self.cache = VolumeCache()
+        self._sources: OrderedDict[VolumeRef, VolumeSource] = OrderedDict()
         self._shown = LoadedScene()
         self._shown = self._loaded(store.scene) or self._shown
         self._changes: deque[tuple[LoadedScene, LoadedScene]] = deque()
@@ -87,6 +92,12 @@ class Documents(QObject):
         return self._shown.volume
 
     @property
+    def source(self) -> VolumeSource | None:
+        """Where the volume that is shown comes from: its other time points and channels can be read of it."""
+        layer = self._shown.scene.layer
+        return None if layer is None else self._sources.get(layer.key.ref)
+
+    @property
     def is_current(self) -> bool:
         """Whether the scene of the store is the one that is shown, and no volume is awaited for it."""
         return self._shown.scene is self._store.scene
@@ -99,15 +110,20 @@ class Documents(QObject):
     # ------------------------------------------------------------------ opening
 
     def open(
-        self, source: str | os.PathLike[str], *, channel: int | None = None, time: int = 0, **hints: Any
+        self, source: str | os.PathLike[str], *, channel: int | str | None = None, time: int = 0, **hints: Any
     ) -> None:
-        """Read a file, folder or ``sample:<id>`` and show it; the newest request wins."""
+        """Read a file, folder or ``sample:<id>`` and show it; the newest request wins.
+
+        A channel is chosen by its number, from 0, or its name; without one, the file shows what it shows by itself.
+        """
         text = os.fspath(source)
         if not text.startswith(SAMPLE_PREFIX):
             text = str(Path(text).absolute())
         ref = VolumeRef(text, tuple(hints.items()), content_id(text))
         self._way_back = None
-        self._start(VolumeKey(ref, channel, time), first=True)
+        name = channel if isinstance(channel, str) else None
+        number = None if isinstance(channel, str) else channel
+        self._start(VolumeKey(ref, number, time), first=True, channel_name=name)
 
     def open_scene(self, scene: Scene) -> None:
         """Show a whole scene, as from a session file, once its volume has been read."""
@@ -148,12 +164,20 @@ class Documents(QObject):
         self._task = None
         self._shown = LoadedScene()
         self.cache.clear()
+        self._sources.clear()
 
     # ------------------------------------------------------------------ inside
 
-    def _start(self, key: VolumeKey, *, first: bool, scene: Scene | None = None) -> None:
+    def _start(
+        self, key: VolumeKey, *, first: bool, scene: Scene | None = None, channel_name: str | None = None
+    ) -> None:
         name = title_of(key.ref)
-        task = self._workers.start(lambda task: open_volume(key, task, scene), label=name, key="load")
+        # headers are not read again for another time point
+        source = None if first else self._sources.get(key.ref)
+        task = self._workers.start(
+            lambda task: open_volume(key, task, scene, source=source, channel=channel_name, first=first),
+            label=name, key="load",
+        )  # fmt: skip
         self._task = task
         task.progressed.connect(self.loading_progressed)
         task.succeeded.connect(self._on_first_loaded if first else self._on_loaded_again)
@@ -167,7 +191,7 @@ class Documents(QObject):
 
     def _on_first_loaded(self, opened: Opened) -> None:
         self._end()
-        self.cache.put(opened.key, opened.volume)
+        self._keep(opened)
         is_first = self._store.scene.layer is None
         self._store.update(
             lambda scene: scene_with(scene, opened),
@@ -181,8 +205,15 @@ class Documents(QObject):
     def _on_loaded_again(self, opened: Opened) -> None:
         self._end()
         self._way_back = None
-        self.cache.put(opened.key, opened.volume)
+        self._keep(opened)
         self._follow(self._store.scene)
+
+    def _keep(self, opened: Opened) -> None:
+        self.cache.put(opened.key, opened.volume)
+        self._sources[opened.key.ref] = opened.source
+        self._sources.move_to_end(opened.key.ref)
+        while len(self._sources) > SOURCES:
+            self._sources.popitem(last=False)
 
     def _on_failed(self, task: Task, error: Exception) -> None:
         if task is not self._task:
@@ -251,30 +282,60 @@ def title_of(ref: VolumeRef) -> str:
     return Path(ref.source).name or ref.source
 
 
-def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None) -> Opened:
-    """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker."""
-    from volviz.io import load
+def open_volume(
+    key: VolumeKey,
+    task: Task,
+    scene: Scene | None = None,
+    *,
+    source: VolumeSource | None = None,
+    channel: str | None = None,
+    first: bool = True,
+) -> Opened:
+    """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker.
+
+    Parameters
+    ----------
+    key : VolumeKey
+    source : VolumeSource, optional
+        Of the same file, where it has been opened before.
+    channel : str, optional
+        Name of the channel, in the place of its number.
+    first : bool
+        Nothing refers to the channel yet: that of a file which shows its first one by itself gets its number.
+    """
+    from volviz.io import open as open_source
 
     ref = key.ref
     task.report(-1.0, "")
-    volume = load(
-        ref.source, time=key.time or None, channel=key.channel,
-        progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints),
-    )  # fmt: skip
+    if source is None:
+        source = open_source(
+            ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints)
+        )
+    if channel is not None:
+        key = replace(key, channel=source.channel_number(channel))
+    elif first and scene is None and key.channel is None and "c" in source.axes and not source.is_colour:
+        key = replace(key, channel=0)
+    volume = source.read(
+        source.default_level,
+        time=key.time,
+        channel=key.channel,
+        cancel=lambda: task.is_cancelled,
+        progress=task.report,
+    )
     # lazily computed and needed by every panel: done here, not in the window
     auto_isovalue(volume)
     bricks_of(volume)
     if scene is not None and scene.layer is not None:
         # the editor needs one function, in the place of colour and window, and with the opacity in it
         scene = scene.with_layer(transfer_function=layer_function(scene.layer, volume), opacity=1.0)
-        return Opened(key, volume, scene.layer.transfer_function, scene=scene)
+        return Opened(key, volume, source, scene.layer.transfer_function, scene=scene)
     preset_id = suggested_preset(ref)
     if preset_id is None:
-        return Opened(key, volume, TransferFunction.auto(volume))
+        return Opened(key, volume, source, TransferFunction.auto(volume))
     from volviz.model.transfer.presets import preset, preset_for
 
     chosen = preset(preset_id)
-    return Opened(key, volume, preset_for(chosen, volume), chosen.technique, chosen.settings)
+    return Opened(key, volume, source, preset_for(chosen, volume), chosen.technique, chosen.settings)
 
 
 def suggested_preset(ref: VolumeRef) -> str | None:

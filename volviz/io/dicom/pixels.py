@@ -62,7 +62,7 @@ def _gray(request: LoadRequest, pixels: npt.NDArray[Any], file: ImageFile) -> np
         request.note("Its pixels are indices of a palette; the brightness of the colours is shown.")
         return brightness(pixels)
     if request.channel is None:
-        request.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
+        request.note("Colours are shown as their brightness; their components are channels 0, 1 and 2.")
         return brightness(pixels)
     return np.asarray(pixels[..., choose(request, "S", pixels.shape[-1])])
 
