@@ -134,7 +134,7 @@ class _View:
 
 
 def _view(file: h5py.File, frame: str, name: str, setup: Setup) -> _View:
-    shapes = []
+    shapes: list[tuple[int, ...]] = []
     while f"{frame}/{name}/{len(shapes)}/cells" in file:
         shapes.append(tuple(map(int, file[f"{frame}/{name}/{len(shapes)}/cells"].shape)))
     stored = file[f"{frame}/{name}/0/cells"].dtype
