@@ -12,12 +12,15 @@ import time
 from pathlib import Path
 from typing import Any
 
+import h5py
 import nibabel
 import numpy as np
 import pytest
 import tifffile
+from scipy.io import savemat
 
 import volviz
+from tests.unit.io import stores
 from tests.unit.io.writers import dicom_slice, itk, scalars
 from volviz.cli import main
 from volviz.errors import Cancelled, InputError, LoadError, VolvizError
@@ -80,6 +83,26 @@ def images(folder: Path) -> Path:
     return stack
 
 
+def zarr(folder: Path) -> Path:
+    return stores.zipped(stores.image(folder / "v", [ARRAY], [(1, 1, 1)]), folder / "v.zarr.zip")
+
+
+def hdf5(folder: Path) -> Path:
+    with h5py.File(folder / "v.h5", "w") as file:
+        file.create_dataset("v", data=ARRAY, chunks=True, compression="gzip")
+    return folder / "v.h5"
+
+
+def matlab(folder: Path) -> Path:
+    savemat(folder / "v.mat", {"v": ARRAY.transpose(1, 2, 0)}, do_compression=True)
+    return folder / "v.mat"
+
+
+def numpy_archive(folder: Path) -> Path:
+    np.savez_compressed(folder / "v.npz", v=ARRAY)
+    return folder / "v.npz"
+
+
 GEOMETRY: dict[str, Any] = {"spacing": (1, 1, 1), "origin": (0, 0, 0)}
 WRITERS = {
     "NIfTI": nifti,
@@ -88,6 +111,10 @@ WRITERS = {
     "VTK image": vtk_xml,
     "TIFF": tiff,
     "DICOM": dicom,
+    "Zarr": zarr,
+    "HDF5": hdf5,
+    "MATLAB": matlab,
+    "NumPy archive": numpy_archive,
     "Pictures": images,
     "NumPy": numpy_file,
     "Raw": raw,
@@ -148,7 +175,8 @@ def test_loading_can_be_cancelled(reader, file, timeout):
 
 @by_reader
 def test_info_is_plain_and_goes_into_json(reader, file):
-    told = json.loads(json.dumps(info(file)))
+    assert json.loads(json.dumps(info(file)))["dims"] == [50, 40, 12]
+    told = json.loads(json.dumps(info(file, statistics=True)))
     assert told["dims"] == [50, 40, 12]
     assert told["dtype"] == "int16"
     assert told["range"] == [float(ARRAY.min()), float(ARRAY.max())]

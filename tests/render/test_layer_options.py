@@ -72,7 +72,8 @@ def test_one_channel_without_a_look_is_the_volume_that_is_read(files: Path) -> N
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--channel", "x:red"], "--channel takes a number from 0"),
+        (["--channel", "x:red"], "no channel is called 'x'"),
+        (["--channel", ":red"], "--channel takes a number from 0"),
         (["--channel", "0:nocolour"], "no preset, colour or colour map called 'nocolour'"),
         (["--channel", "0", "--channel", "7"], "channel"),
         (["--layer", "missing.nii"], "missing.nii"),

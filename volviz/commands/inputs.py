@@ -21,6 +21,11 @@ def add_input(
         "file", metavar="FILE", nargs="?" if optional else None,
         help="a volume file, a folder of DICOM slices, or sample:NAME",
     )  # fmt: skip
+    add_hints(parser, several_channels=several_channels)
+
+
+def add_hints(parser: argparse.ArgumentParser, *, several_channels: bool = False) -> None:
+    """The hints for reading alone."""
     hints = parser.add_argument_group("reading raw files and choosing from larger ones")
     hints.add_argument("--dims", metavar="X,Y,Z", help="voxels along each axis of a raw file")
     hints.add_argument("--dtype", help="type of raw values, for example uint16")

@@ -130,6 +130,8 @@ class Description:
         Unit of the values, and of spacing and origin ("mm", "µm"); empty when unknown.
     content_id : str
         Changes when the file changes.
+    dtype : str
+        Type of the stored values, "uint16" say; empty when it is not known before they are read.
     statistics : Statistics or None
         Of data without time points and channels, where the file says it.
     metadata : mapping
@@ -148,6 +150,7 @@ class Description:
     unit: str = ""
     length_unit: str = ""
     content_id: str = ""
+    dtype: str = ""
     statistics: Statistics | None = None
     metadata: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 

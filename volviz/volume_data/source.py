@@ -33,6 +33,8 @@ class ReadRequest:
     box: Box | None = None
     cancel: Cancel | None = None
     progress: Progress | None = None
+    #: Whether anybody has asked for this time point.
+    time_chosen: bool = False
 
 
 class VolumeSource(ABC):
@@ -92,6 +94,16 @@ class VolumeSource(ABC):
         return self.description.levels
 
     @property
+    def entries(self) -> Sequence[Any]:
+        """Images or arrays of the same file (`volviz.io.entries.Entry`); empty where this one is alone."""
+        return ()
+
+    @property
+    def default_level(self) -> int:
+        """Number of the level to show when nobody has chosen one: the finest, unless it is too large."""
+        return 0
+
+    @property
     def times(self) -> tuple[float, ...] | None:
         """Seconds of the time points, None when they are not known."""
         return self.description.times
@@ -148,7 +160,7 @@ class VolumeSource(ABC):
     def read(
         self,
         level: int = 0,
-        time: int = 0,
+        time: int | None = None,
         channel: int | str | None = None,
         box: Sequence[int] | None = None,
         cancel: Cancel | None = None,
@@ -160,8 +172,8 @@ class VolumeSource(ABC):
         ----------
         level : int
             Number of the level of resolution, 0 is the finest.
-        time : int
-            Number of the time point, from 0.
+        time : int or None
+            Number of the time point, from 0; None takes the first one, with a note where there are more.
         channel : int, str or None
             Number of the channel, from 0, or its name. None takes what the file shows by itself: its first channel, the
             brightness of colours.
@@ -187,11 +199,12 @@ class VolumeSource(ABC):
             The file is damaged or cannot be read.
         Cancelled
         """
-        level, time, channel = self._checked(level, time, channel)
+        time_chosen = time is not None
+        level, time, channel = self._checked(level, time or 0, channel)
         part = None if box is None else checked_box(box, self.levels[level].dimensions, self.name)
         if cancel is not None and cancel():
             raise Cancelled(f"{self.name}: reading was cancelled.")
-        request = ReadRequest(level, time, channel, part, cancel, progress)
+        request = ReadRequest(level, time, channel, part, cancel, progress, time_chosen)
         if part is not None:
             return self.read_volume(request)
         key = level, time, channel

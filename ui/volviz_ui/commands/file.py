@@ -11,6 +11,7 @@ from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QApplication, QFileDialog
 
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
+from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import VolumeKey
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
@@ -19,8 +20,9 @@ from volviz_ui.dialogs.export_image import ExportImageDialog
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.job_progress import show_job
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
-from volviz_ui.session.documents import SAMPLE_PREFIX, title_of
+from volviz_ui.dialogs.save_volume import SaveVolumeDialog
 from volviz_ui.session.mesh_summary import shows_mesh
+from volviz_ui.session.opening import SAMPLE_PREFIX, title_of
 from volviz_ui.session.script import script_of
 from volviz_ui.views.image_copy import ImageCopy
 from volviz_ui.views.image_export import ImageExport
@@ -54,6 +56,10 @@ class FileCommands(QObject):
                     "file.open_folder", tr("Open &DICOM folder…"), tr("Open the series in a folder"), self.open_folder,
                     keys=("Ctrl+Shift+O",), icon="folder",
                 ),
+                Command(
+                    "file.add_layer", tr("Add &layer…"), tr("Show another file in the same picture"), self.add_layer,
+                    keys=("Ctrl+Shift+A",), icon="stack", enabled=has_volume,
+                ),
                 self.recent,
                 self.samples,
                 Command(
@@ -75,6 +81,11 @@ class FileCommands(QObject):
                 ),
                 Menu(tr("&Unsaved work"), self._sessions.left_entries),
                 None,
+                Command(
+                    "file.save_volume", tr("Save vo&lume…"),
+                    tr("Write the volume, or a part of it, to a file of another format"), self.save_volume,
+                    icon="floppy-disk", enabled=has_volume,
+                ),
                 Command(
                     "file.export_picture", tr("&Export picture…"), tr("Draw the picture at any size into a file"),
                     self.export_image, keys=("Ctrl+E",), icon="export", enabled=has_volume,
@@ -156,6 +167,20 @@ class FileCommands(QObject):
         if path:
             self.open_path(path)
 
+    def add_layer(self) -> None:
+        """Ask for a file and show it beside what is there."""
+        from volviz.io import file_dialog_filters
+
+        path, _filter = QFileDialog.getOpenFileName(
+            self._context.window,
+            self.tr("Add a layer"),
+            self._context.preferences.folder,
+            ";;".join(file_dialog_filters()),
+        )
+        if path:
+            self._context.preferences.folder = str(Path(path).parent)
+            self._context.documents.add(path)
+
     def open_folder(self) -> None:
         """Ask for a folder of DICOM files and open it."""
         path = QFileDialog.getExistingDirectory(
@@ -192,6 +217,11 @@ class FileCommands(QObject):
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
+
+    def add_dropped(self, paths: list[str]) -> None:
+        """Show what was dropped with Shift beside what is there."""
+        if paths:
+            self._context.documents.add(paths[0])
 
     def open_dropped(self, paths: list[str]) -> None:
         """Open what was dropped: one file or folder; of several files of one folder, the folder."""
@@ -237,8 +267,7 @@ class FileCommands(QObject):
             return None
         handle = self._context.views.active.controller.handle
         export = ImageExport(
-            shown.scene,
-            shown.volume,
+            shown,
             path,
             size,
             transparent=transparent,
@@ -270,6 +299,21 @@ class FileCommands(QObject):
         for job in list(self._jobs):
             job.cancel()
 
+    def save_volume(self) -> SaveVolumeDialog | None:
+        """Ask for format, part and file, and write the volume; None where there is none."""
+        documents = self._context.documents
+        volume, source, layer = documents.volume, documents.source, documents.shown.scene.layer
+        if volume is None or layer is None:
+            return None
+        dialog = SaveVolumeDialog(
+            source or ArraySource(volume), volume, layer.channel, layer.time, documents.shown.scene.clipping.crop,
+            self._context.workers, self._context.preferences.folder_of("volume"), self._context.window,
+        )  # fmt: skip
+        dialog.saved.connect(partial(self._on_file_saved, "volume"))
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
     def export_mesh(self) -> ExportMeshDialog | None:
         """Ask for format and file, and write the mesh that is shown; None where there is none."""
         summary = self._context.surface.summary
@@ -277,13 +321,13 @@ class FileCommands(QObject):
             return None
         folder = self._context.preferences.folder_of("mesh")
         dialog = ExportMeshDialog(summary, self._context.workers, folder, self._context.window)
-        dialog.saved.connect(self._on_mesh_saved)
+        dialog.saved.connect(partial(self._on_file_saved, "mesh"))
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
 
-    def _on_mesh_saved(self, path: str) -> None:
-        self._context.preferences.set_folder_of("mesh", path)
+    def _on_file_saved(self, what: str, path: str) -> None:
+        self._context.preferences.set_folder_of(what, path)
         self._context.messages.show_status(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
 
     def copy_image(self) -> ImageCopy:

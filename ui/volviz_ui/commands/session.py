@@ -18,8 +18,8 @@ from volviz.model.session import SUFFIX, load_session, save_session
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry
 from volviz_ui.session.autosave import Left, left_behind
-from volviz_ui.session.documents import Opened
 from volviz_ui.session.loaded_scene import words_on_layers
+from volviz_ui.session.opening import Opened
 from volviz_ui.session.unsaved import UnsavedChanges
 
 LAYER_WORDS_MS = 15000

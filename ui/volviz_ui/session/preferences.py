@@ -71,7 +71,7 @@ class Preferences:
         self._settings.setValue("folder", value)
 
     def folder_of(self, what: str) -> str:
-        """The folder where "picture", "mesh" or "session" files were last, before the first one that of the data."""
+        """The folder where files of a kind were last: "picture", "mesh", "volume", "session"; at first that of data."""
         return str(self._settings.value(f"folders/{what}", self.folder))
 
     def set_folder_of(self, what: str, path: str) -> None:

@@ -50,7 +50,7 @@ class Content:
     lattice : Level
         Where what is written lies.
     dtype : numpy dtype
-        Of what is written; known once the first part has been read.
+        Of what is written; asking for it reads the first part.
     time_count, channel_count : int or None
         Sizes of the axes that are written; None = no such axis.
     times : tuple of float or None
@@ -98,9 +98,19 @@ class Content:
         self.times = None if known is None or self.time_count is None else known
         self.channels: tuple[Channel, ...] = tuple(source.channels[number or 0] for number in self._channels)
         self.is_colour = source.is_colour and self.channel_count is not None
-        self._held: tuple[tuple[int, int], npt.NDArray[Any]] | None = None
+        self._request = request
+        self._held: npt.NDArray[Any] | None = None
+        self._dtype: np.dtype[Any] | None = None
         self._done = 0
-        self.dtype = self._read(0, 0, request).dtype
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of what is written."""
+        if self._dtype is None:
+            # kept: it will be asked for next
+            self._held = self._read(0, 0, self._request)
+            self._dtype = self._held.dtype
+        return self._dtype
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -177,12 +187,12 @@ class Content:
         """Start over, with another type if there is one."""
         self._done = 0
         if dtype is not None:
-            self.dtype = dtype
+            self._dtype = dtype
 
     def _read(self, time: int, channel: int, request: SaveRequest) -> npt.NDArray[Any]:
-        """Values of one part; the first one is kept, since its type is asked for before it is written."""
-        if self._held is not None and self._held[0] == (time, channel):
-            held, self._held = self._held[1], None
+        """Values of one part."""
+        if self._held is not None and (time, channel) == (0, 0):
+            held, self._held = self._held, None
             return held
         first = self._done / self.parts
         self._done += 1
@@ -198,8 +208,6 @@ class Content:
         array = volume.array
         if self._resampling is not None:
             array = self._resampling.of(array, request)
-        if not hasattr(self, "dtype"):
-            self._held = (time, channel), array
         return array
 
     def channel_names(self) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -106,6 +106,21 @@ def save(
         except WiderValuesError as wider:
             content.begin(wider.dtype)
             writer = _chosen(fitting, content, request)
+
+
+def losses(writer: Writer, source: VolumeSource, **part: Any) -> tuple[str, ...]:
+    """What would be lost of a source, or of a part of it, in sentences; nothing is read.
+
+    Parameters
+    ----------
+    writer : Writer
+    source : VolumeSource
+    **part
+        ``level``, ``time``, ``channel``, ``box``, ``spacing`` as for `save`.
+    """
+    request = SaveRequest(Path(writer.name), Path(writer.name))
+    tell_losses(writer, Content(source, request, **part), request)
+    return tuple(request.notes)
 
 
 def check_volume_target(path: Path, format: str | None = None, *, overwrite: bool = False) -> Path:  # noqa: A002
