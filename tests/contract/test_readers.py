@@ -12,11 +12,13 @@ import time
 from pathlib import Path
 from typing import Any
 
+import h5py
 import mrcfile
 import nibabel
 import numpy as np
 import pytest
 import tifffile
+from scipy.io import savemat
 
 import volviz
 from tests.unit.io import stores
@@ -99,6 +101,24 @@ def mgh(folder: Path) -> Path:
 
 #: Pairs of files, and values that are scaled slice by slice.
 TESTED_ELSEWHERE = ("MINC", "AFNI", "PAR/REC", "Interfile")
+
+
+def hdf5(folder: Path) -> Path:
+    with h5py.File(folder / "v.h5", "w") as file:
+        file.create_dataset("v", data=ARRAY, chunks=True, compression="gzip")
+    return folder / "v.h5"
+
+
+def matlab(folder: Path) -> Path:
+    savemat(folder / "v.mat", {"v": ARRAY.transpose(1, 2, 0)}, do_compression=True)
+    return folder / "v.mat"
+
+
+def numpy_archive(folder: Path) -> Path:
+    np.savez_compressed(folder / "v.npz", v=ARRAY)
+    return folder / "v.npz"
+
+
 GEOMETRY: dict[str, Any] = {"spacing": (1, 1, 1), "origin": (0, 0, 0)}
 WRITERS = {
     "NIfTI": nifti,
@@ -111,6 +131,9 @@ WRITERS = {
     "TIFF": tiff,
     "DICOM": dicom,
     "Zarr": zarr,
+    "HDF5": hdf5,
+    "MATLAB": matlab,
+    "NumPy archive": numpy_archive,
     "Pictures": images,
     "NumPy": numpy_file,
     "Raw": raw,

@@ -20,6 +20,7 @@ from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import MODES
 from volviz.custom_gl.shader_source import GLSL, ShaderText
 from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
 from volviz.model.transfer.function_2d import Region, TransferFunction2D
 
@@ -94,7 +95,18 @@ def record() -> Record:
             if info.kind == "image":
                 found.technique = technique
                 draw(technique)
+        found.technique = DEFAULT_TECHNIQUE
+        draw_whole_numbers()
     return found
+
+
+def draw_whole_numbers() -> None:
+    """Values of 8 and 16 bits, which are stored in other ways where OpenGL is computed on the processor."""
+    for dtype in (np.uint8, np.uint16):
+        of = volume(dtype)
+        with shown(of, DEFAULT_TECHNIQUE, SIZE, transfer_function=function(of)) as (window, handle):
+            window.render()
+            handle.raise_error()
 
 
 def draw(technique: str) -> None:

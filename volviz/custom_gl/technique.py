@@ -445,6 +445,8 @@ class Frame:
             "classify": "classify/regions.glsl" if regions else "classify/curve.glsl",
             "shade": "shade/lit.glsl" if common.shading else "shade/unlit.glsl",
         }
+        if self.joint is None:
+            chosen["fetch"] = self.resources.fetch
         program = self.gpu.programs.get(
             vertex,
             fragment,

@@ -164,7 +164,7 @@ def file_source(
     geometry : Geometry
         Of the finest level, as the file says it.
     dtype, colour
-        Decide whether components are colours (see `to_zyx`).
+        Type of the values as the file stores them. Both decide whether components are colours (see `to_zyx`).
     channels, times, is_labels, labels, statistics, unit, length_unit
         As in `Description`; what does not fit the axes is left out.
     coarser : sequence of (dimensions, Geometry)

@@ -69,7 +69,8 @@ class LoadOptions:
         DICOM: series instance UID or number of the series in the folder, counted from 0.
         TIFF: number of the series in the file.
         VTK: 0 for the arrays at points, 1 for those at cells, in a file that has both.
-        Zarr, HDF5, .npz, .mat: name of the image or array, or its number among them, counted from 0.
+        Zarr, HDF5, .npz, .mat: name of the image or array, or its number among them, counted from 0; ``dataset``
+        is another word for it.
     """
 
     dims: tuple[int, int, int] | None = None
@@ -86,6 +87,9 @@ class LoadOptions:
     def from_keywords(cls, keywords: dict[str, Any]) -> LoadOptions:
         """Checked hints; an unknown keyword or a value of the wrong kind raises `InputError`."""
         known = [f.name for f in fields(cls)]
+        if "dataset" in keywords and keywords.get("series") is None:
+            keywords = {**keywords, "series": keywords["dataset"]}
+            del keywords["dataset"]
         for name in keywords:
             if name not in known:
                 if name in PART:

@@ -8,11 +8,14 @@ from pathlib import Path
 
 from volviz.io import (
     dicom,
+    hdf5,
     image_stack,
+    matlab,
     metaimage,
     mrc,
     neuroimaging,
     nifti,
+    npz_files,
     nrrd,
     numpy_files,
     plain_headers,
@@ -86,6 +89,9 @@ READERS: tuple[Reader, ...] = (
     # before TIFF: the first 128 bytes of a DICOM file are free and often hold a TIFF header
     Reader("DICOM", dicom.SUFFIXES, dicom.sniff, dicom.open_source),
     Reader("Zarr", zarr.SUFFIXES, zarr.sniff, zarr.open_source),
+    Reader("HDF5", hdf5.SUFFIXES, hdf5.sniff, hdf5.open_source),
+    Reader("MATLAB", matlab.SUFFIXES, matlab.sniff, matlab.open_source),
+    Reader("NumPy archive", npz_files.SUFFIXES, npz_files.sniff, npz_files.open_source),
     Reader("TIFF", tiff.SUFFIXES, tiff.sniff, tiff.open_source),
     Reader("Pictures", image_stack.SUFFIXES, image_stack.sniff, image_stack.open_source),
     Reader("NumPy", numpy_files.SUFFIXES, numpy_files.sniff, numpy_files.open_source),

@@ -130,17 +130,19 @@ def known_gradient_bricks(volume: Volume) -> Bricks | None:
         return _gradients.get(volume)
 
 
-def choose_format(dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool) -> Format:
+def choose_format(
+    dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool, interpolates: bool = False
+) -> Format:
     """Texel format for scalars of a type.
 
-    Software rasterisers filter float32 fastest, as long as memory allows it; graphics cards get the smallest
-    format that loses nothing.
+    Graphics cards get the smallest format that loses nothing, and so do shaders that interpolate by themselves.
+    Software rasterisers filter float32 fastest, as long as memory allows it.
     """
     if dtype.kind == "f" or dtype.itemsize > 2:
         return "f4"
-    if software and voxels <= 2**28:
+    if software and not interpolates and voxels <= 2**28:
         return "f4"
-    if dtype == np.uint8 and precise_bytes:
+    if dtype == np.uint8 and (precise_bytes or interpolates):
         return "u1"
     return "u2"
 

@@ -97,7 +97,7 @@ class Arrangement:
 
 def arranged(gpu: Gpu, images: Sequence[Volume], labels: Sequence[LabelResources]) -> Arrangement:
     """Layers of one lattice and of equal texels, four to a texture."""
-    texels = [texture_data_of(volume, *texel_limits(gpu, volume)) for volume in images]
+    texels = [texture_data_of(volume, *texel_limits(gpu, volume, alone=False)) for volume in images]
     texels += [each.texels for each in labels]
     volumes = [*images, *(each.volume for each in labels)]
 
@@ -126,7 +126,7 @@ class PackedScalars:
 
     def __init__(self, gpu: Gpu, volumes: Sequence[Volume]) -> None:
         self._gpu = gpu
-        self._data = [texture_data_of(volume, *texel_limits(gpu, volume)) for volume in volumes]
+        self._data = [texture_data_of(volume, *texel_limits(gpu, volume, alone=False)) for volume in volumes]
         self.texture = empty_scalars(gpu, self._data[0], len(volumes), volumes[0].name)
         self._uploaded = 0
 

@@ -10,7 +10,8 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.context import Gpu, segment_texels
+from volviz.custom_gl.gpu.corner_texels import CORNERS, empty_corners, holds_corners, with_neighbours
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.brick_gradients import occupancy_2d, visible_plane_sums
@@ -94,7 +95,9 @@ class VolumeResources:
     def __init__(self, gpu: Gpu, volume: Volume, pack: ScalarPack | None = None) -> None:
         self.gpu = gpu
         self.volume = volume
-        self.texels: TextureData = texture_data_of(volume, *texel_limits(gpu, volume))
+        self._limits = texel_limits(gpu, volume, alone=pack is None)
+        self.texels: TextureData = texture_data_of(volume, *self._limits)
+        self._has_corners = pack is None and takes_corners(gpu, volume)
         self._uploaded = 0
         self._pack = pack
         self.scalars = self._empty_scalars(self.texels) if pack is None else pack.texture
@@ -106,7 +109,16 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ scalars
 
+    @property
+    def fetch(self) -> str:
+        """File of the hook that reads the scalars."""
+        if not self._has_corners:
+            return "fetch/texture.glsl"
+        return "fetch/corners8.glsl" if self.texels.format == "u1" else "fetch/corners16.glsl"
+
     def _empty_scalars(self, texels: TextureData) -> Any:
+        if self._has_corners:
+            return empty_corners(self.gpu.gl, texels.data)
         return empty_scalars(self.gpu, texels, 1, self.volume.name)
 
     @property
@@ -123,17 +135,22 @@ class VolumeResources:
             Stop after about that many bytes; None uploads everything.
         """
         data, texture = self._levels[0][0].data, self._levels[0][1]
-        plane = data[0].nbytes
+        plane = data[0].nbytes * (CORNERS if self._has_corners else 1)
         done = 0
         while not self.complete and (max_bytes is None or done < max_bytes):
             count = min(max(SLAB_BYTES // plane, 1), len(data) - self._uploaded)
-            slab = data[self._uploaded : self._uploaded + count]
+            stop = self._uploaded + count
+            slab = self._stored(data, self._uploaded, stop)
             x, y = data.shape[2], data.shape[1]
             texture.write(slab, viewport=(0, 0, self._uploaded, x, y, count), alignment=1)
             self._uploaded += count
             done += slab.nbytes
             self.gpu.uploads += 1
         return self.complete
+
+    def _stored(self, data: npt.NDArray[Any], start: int, stop: int) -> npt.NDArray[Any]:
+        """Planes as they are uploaded."""
+        return with_neighbours(data, start, stop) if self._has_corners else data[start:stop]
 
     @property
     def full_factor(self) -> tuple[int, int, int]:
@@ -145,15 +162,15 @@ class VolumeResources:
         """Number of the coarsest level of detail."""
         if self._pack is not None:
             return 0
-        return len(levels_of(self.volume, *texel_limits(self.gpu, self.volume))) - 1
+        return len(levels_of(self.volume, *self._limits)) - 1
 
     def select(self, level: int) -> None:
         """Let `texels` and `scalars` be those of a level of detail, 0 = full; coarser ones are small."""
         held = self._levels.get(level)
         if held is None:
-            texels = levels_of(self.volume, *texel_limits(self.gpu, self.volume))[level]
+            texels = levels_of(self.volume, *self._limits)[level]
             texture = self._empty_scalars(texels)
-            texture.write(texels.data, alignment=1)
+            texture.write(self._stored(texels.data, 0, len(texels.data)), alignment=1)
             self.gpu.uploads += 1
             held = self._levels[level] = (texels, texture)
         self.texels, self.scalars = held
@@ -178,7 +195,9 @@ class VolumeResources:
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
             texels = table.texels if length is None else table.per_length(length)
-            return self.gpu.table_texture(Table.folded(texels), folded=self.folds_table(transfer_function))
+            if table.gradients is None:
+                return self.gpu.segments_texture(Table.folded(segment_texels(texels)))
+            return self.gpu.table_texture(texels)
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
         return self._cached(self._tables, "table" if length is None else "table per length", key, make)
@@ -223,8 +242,8 @@ class VolumeResources:
             return {
                 "u_table_map": self._lookup(data_range),
                 "u_table_last": float(columns - 1),
-                "u_table_entry": 1.0 / min(columns, MAX_TABLE),
-                "u_table_row": 1.0 / rows_of(columns),
+                "u_table_segment": 1.0 / min(columns - 1, MAX_TABLE),
+                "u_table_row": 1.0 / rows_of(columns - 1),
             }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
         low, high = self.volume.bulk_range
@@ -352,9 +371,15 @@ class VolumeResources:
             return layer_name(name, layer) in program.units
 
         program.use_texture("t_scalars", self.scalars, layer)
-        if asked("t_table"):
-            table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
-            program.use_texture("t_table", table, layer)
+        if self._has_corners:
+            z, y, x = self.texels.data.shape
+            program.set({"u_texels": (x, y, z), "u_texel": (1.0 / x, 1.0 / y, 1.0 / z)}, layer)
+        for name in ("t_segments", "t_table"):
+            if asked(name):
+                table = self.table(
+                    frame.transfer_function, length=table_length, interactive=frame.interactive
+                )
+                program.use_texture(name, table, layer)
         if "t_scene_depth" in program.units:
             program.use_texture("t_scene_depth", frame.scene_depth)
         if asked("t_preintegrated"):
@@ -473,12 +498,29 @@ def _margin(frame: SampledFrame) -> int:
     return math.ceil((frame.step_world / min(frame.volume.spacing) + 1.0) / BRICK)
 
 
-def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:
-    """Format and limits with which `texture_data_of` makes the texels that this GPU takes."""
+def takes_corners(gpu: Gpu, volume: Volume) -> bool:
+    """Whether a volume that is drawn alone has its values stored with their neighbours (`corner_texels`)."""
+    dtype = volume.array.dtype
+    if not gpu.limits.software or dtype.kind == "f":
+        return False
+    return holds_corners(volume.array.size, dtype.itemsize, gpu.max_texture_bytes)
+
+
+def texel_limits(gpu: Gpu, volume: Volume, *, alone: bool) -> tuple[Any, int, int]:
+    """Format and limits with which `texture_data_of` makes the texels that this GPU takes.
+
+    Parameters
+    ----------
+    gpu : Gpu
+    volume : Volume
+    alone : bool
+        It has a texture to itself.
+    """
     kind = choose_format(
         volume.array.dtype,
         volume.array.size,
         precise_bytes=not gpu.limits.software and gpu.filters_bytes_precisely,
         software=gpu.limits.software,
+        interpolates=alone and takes_corners(gpu, volume),
     )
     return kind, gpu.limits.max_3d_texture, gpu.max_texture_bytes

@@ -193,7 +193,10 @@ class VolumeTextures:
         if self.are_made(shown):
             return True
         images, labels = _images_and_labels(shown)
-        limits = tuple((volume, *texel_limits(self._window_gpu.gpu, volume)) for volume in images)
+        alone = len(images) == 1 and not labels
+        limits = tuple(
+            (volume, *texel_limits(self._window_gpu.gpu, volume, alone=alone)) for volume in images
+        )
         if all(is_prepared(*each) for each in limits) and all(map(are_labels_known, labels)):
             return True
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from volviz.io.axes import axis_letter, usual_axes
 from volviz.io.entries import choose_entry
 from volviz.io.geometry import Geometry
 from volviz.io.pyramid import StoredLevel, pyramid_source
@@ -29,10 +30,6 @@ if TYPE_CHECKING:
     from volviz.io.zarr.store import Node, StoredArray
 
 SUFFIXES = (".zarr", ".ome.zarr", ".zarr.zip", ".ome.zarr.zip", ".ozx", ".n5")
-
-_NAMES = {"time": "T", "channel": "C", "depth": "Z", "plane": "Z", "height": "Y", "row": "Y", "width": "X", "col": "X",
-          "lat": "Y", "latitude": "Y", "lon": "X", "longitude": "X", "lev": "Z", "level": "Z",
-          **{letter.lower(): letter for letter in "TCZYX"}}  # fmt: skip
 
 
 def sniff(head: bytes, path: Path) -> bool:
@@ -148,14 +145,10 @@ def _plain(request: LoadRequest, store: Store, chosen: Found, found: Sequence[Fo
         )
     names = node.attributes.get("_ARRAY_DIMENSIONS") or node.attributes.get("axes") or list(array.names)
     # N5 and its viewers count x first
-    usual = {3: "ZYX", 4: "TZYX", 5: "TCZYX"}[len(shape)]
-    usual = usual if node.driver != "n5" else {3: "XYZ", 4: "XYZC", 5: "XYZCT"}[len(shape)]
-    axes, colour = usual, False
-    letters = [_NAMES.get(str(name).lower(), "-") for name in names] if isinstance(names, list) else []
+    axes = "XYZCT"[: len(shape)] if node.driver == "n5" else usual_axes(shape, array.dtype)
+    letters = [axis_letter(name) for name in names] if isinstance(names, list) else []
     if len(letters) == len(shape) and set("ZYX") <= set(letters) and len(set(letters)) == len(letters):
         axes = "".join(letters)
-    elif axes == "TZYX" and shape[-1] in (3, 4) and array.dtype == np.uint8:
-        axes, colour = "ZYXS", True
     spacing, unit = _spacing(node, axes)
     if spacing is None:
         request.note("The array does not say how large its voxels are; they are taken for cubes of side 1.")
@@ -164,7 +157,7 @@ def _plain(request: LoadRequest, store: Store, chosen: Found, found: Sequence[Fo
         axes,
         [StoredLevel(shape, Geometry(spacing or (1.0, 1.0, 1.0)), array.read)],
         array.dtype,
-        colour=colour,
+        colour="S" in axes,
         length_unit=unit,
         format="N5" if node.driver == "n5" else "Zarr",
         name=stem(request.path, SUFFIXES),

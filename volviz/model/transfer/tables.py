@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,7 @@ PLANE_SIZE = (512, 256)
 PLANE_SIZE_INTERACTIVE = (256, 128)
 
 Floats = npt.NDArray[np.float32]
+Texels = TypeVar("Texels", bound=npt.NDArray[Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +45,13 @@ class Table:
         return self.texels[..., 3]
 
     @staticmethod
-    def folded(texels: Floats) -> Floats:
+    def folded(texels: Texels) -> Texels:
         """Texels as a texture takes them: what is too long for one row goes on in the next ones."""
         if len(texels) > 1 or rows_of(texels.shape[1]) == 1:
             return texels
         entries = texels[0]
         missing = -len(entries) % MAX_TABLE
-        return np.pad(entries, ((0, missing), (0, 0)), mode="edge").reshape(-1, MAX_TABLE, 4)
+        return cast(Texels, np.pad(entries, ((0, missing), (0, 0)), mode="edge").reshape(-1, MAX_TABLE, 4))
 
     def per_length(self, length: float) -> Floats:
         """Texels with opacities for pieces of ray of that length, in unit distances."""
