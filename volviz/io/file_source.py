@@ -86,6 +86,8 @@ class FileSource(VolumeSource):
                 f"Level {chosen} is shown, of 0 (finest) to {len(needed) - 1}: level {chosen - 1} needs "
                 f"{finer / 2**30:.3g} GiB of memory to be drawn and {free / 2**30:.3g} GiB are free."
             )
+            told = {**self.description.metadata, "notes": tuple(self.load.notes)}
+            self.description = replace(self.description, metadata=told)
         return chosen
 
     def read_volume(self, request: ReadRequest) -> Volume:

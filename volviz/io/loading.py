@@ -15,6 +15,7 @@ from volviz.io.file_source import told_in_a_sentence
 from volviz.io.packed_files import GZIP, is_packed, open_unpacked, unpacked_head
 from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
 from volviz.io.table import READERS
+from volviz.volume_data.references import is_address
 from volviz.volume_data.source import checked_box, checked_number
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ def open(  # noqa: A001 - what it does, as `volviz.open`
     Parameters
     ----------
     path : str or path
-        A file, a folder with DICOM slices, or ``"sample:<id>"`` (see `volviz.io.samples`).
+        A file, a folder (of DICOM slices, a Zarr store), ``"sample:<id>"`` (see `volviz.io.samples`), or a URL
+        (``https://``, ``s3://``, ``gs://``): stores are read where they are, other files are downloaded first.
     progress : callable(fraction, text), optional
         Called with a fraction 0..1 while headers are read.
     cancel : callable() -> bool, optional
@@ -68,6 +70,11 @@ def open(  # noqa: A001 - what it does, as `volviz.open`
         from volviz.io.samples import sample_source
 
         return sample_source(LoadRequest(Path(text), given, progress=progress, cancel=cancel))
+    if is_address(text):
+        from volviz.io.addresses import name_in, open_address
+
+        request = LoadRequest(Path(name_in(text)), given, progress=progress, cancel=cancel, address=text)
+        return open_address(request, open_file, suffixes())
     return open_file(LoadRequest(Path(text).expanduser(), given, progress=progress, cancel=cancel))
 
 
