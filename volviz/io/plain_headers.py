@@ -1,7 +1,7 @@
 """GIPL and Interfile: small headers, and one run of values.
 
 Sources: the header of the Guy's Image Processing Lab in ITK's ``itkGiplImageIO.cxx``; "The Interfile 3.3 standard"
-(A. Todd-Pokropek, T. D. Cradduck, F. Deconinck, Nucl. Med. Commun. 13, 1992).
+(A. Todd-Pokropek, T. D. Cradduck, F. Deconinck, 1992).
 """
 
 from __future__ import annotations
