@@ -11,12 +11,12 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from tests.ui.conftest import image, is_complete
-from volviz.custom_gl.layer_set import layer_function
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.session import save_session
 from volviz.volume_data.references import VolumeRef
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.session.autosave import Autosave, left_behind
+from volviz_ui.session.opening import editable
 
 Wait = Callable[..., None]
 DEAD_PROCESS = 2**22 + 5
@@ -96,7 +96,7 @@ def test_after_a_crash_the_scene_is_offered_and_restored(
     assert window.session_commands.offer_restore(tmp_path / "auto") is None
 
 
-def test_layers_that_are_not_drawn_yet_are_kept_and_said(
+def test_all_layers_are_kept_and_drawn(
     window: MainWindow, tmp_path: Path, ball_file: str, wait_for: Wait
 ) -> None:
     labels = LabelLayer(VolumeRef(ball_file), {3: "red"}, names={3: "liver"}, hidden=(1,))
@@ -114,11 +114,11 @@ def test_layers_that_are_not_drawn_yet_are_kept_and_said(
     window.session_commands.open_path(path)
     wait_for(lambda: len(window.store.scene.layers) == 3)
     assert [replace(layer, volume=labels.volume) for layer in window.store.scene.layers] == [
-        replace(layer, volume=labels.volume) for layer in kept
+        replace(editable(layer, window.documents.volume), volume=labels.volume) for layer in kept
     ]
-    assert "not drawn yet: 2 further layers" in window.messages.status_line.currentMessage()
-    assert window.store.scene.layer == kept[1]
+    assert window.store.scene.layer == window.store.scene.layers[1]
     wait_for(lambda: is_complete(window))
+    assert len(window.controller.handle.spec.layers) == 3
 
 
 def test_a_layer_of_a_colour_is_opened_with_a_function_that_can_be_edited(
@@ -129,8 +129,10 @@ def test_a_layer_of_a_colour_is_opened_with_a_function_that_can_be_edited(
     window.open(str(tmp_path / "green.volviz.json"))
     wait_for(lambda: window.store.scene.layer.name == "green")
     shown = window.store.scene.layer
-    assert shown.transfer_function == layer_function(layer, window.documents.volume)
-    assert (shown.color, shown.opacity) == (None, 1.0)
+    assert shown == replace(editable(layer, window.documents.volume), volume=shown.volume)
+    assert (shown.color, shown.opacity) == (None, 0.5)
+    color = {point.color for point in shown.transfer_function.points}
+    assert color == {layer.color}
     assert window.messages.status_line.currentMessage() == ""
 
 

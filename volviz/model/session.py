@@ -61,6 +61,7 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
         "comparison": dataclasses.asdict(scene.comparison),
         "cursor": scene.cursor,
         "layout": scene.layout,
+        "active_layer": scene.active_layer,
     }
 
 
@@ -181,6 +182,8 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         comparison=_comparison(data["comparison"]),
         cursor=None if data["cursor"] is None else _numbers(data["cursor"], 3),
         layout=LAYOUTS[LAYOUTS.index(data["layout"])],
+        # absent where the session was written before there were several layers to choose from
+        active_layer=int(data.get("active_layer", 0)),
     )
 
 

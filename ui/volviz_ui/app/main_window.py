@@ -36,10 +36,11 @@ from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.ray_inspector.inspector import RayInspector
 from volviz_ui.ray_inspector.panel import RayPanel
 from volviz_ui.session.autosave import Autosave
-from volviz_ui.session.documents import SAMPLE_PREFIX, Documents, Opened
+from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene, volume_of
 from volviz_ui.session.memory import return_freed_memory
 from volviz_ui.session.mesh_summary import ShownMesh
+from volviz_ui.session.opening import SAMPLE_PREFIX, Opened
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.session.workers import Gate, Workers
 from volviz_ui.style.app_icon import app_icon
@@ -218,6 +219,7 @@ class MainWindow(QMainWindow):
         self.surface.work_changed.connect(section.show_work)
         section.cancel_requested.connect(self.surface.cancel)
         section.export_requested.connect(self.file_commands.export_mesh)
+        self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
         self.compare_commands.report_requested.connect(self.reports.write_report)
         self.documents.opened.connect(self._on_opened)
         self.views.failed.connect(self.gate.open)
@@ -300,10 +302,13 @@ class MainWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open what was dropped."""
+        """Open what was dropped; with Shift it becomes a further layer."""
         paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
         event.acceptProposedAction()
-        self.file_commands.open_dropped(paths)
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.documents.volume is not None:
+            self.file_commands.add_dropped(paths)
+        else:
+            self.file_commands.open_dropped(paths)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Escape leaves the full screen."""

@@ -20,8 +20,8 @@ from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.job_progress import show_job
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
 from volviz_ui.dialogs.save_volume import SaveVolumeDialog
-from volviz_ui.session.documents import SAMPLE_PREFIX, title_of
 from volviz_ui.session.mesh_summary import shows_mesh
+from volviz_ui.session.opening import SAMPLE_PREFIX, title_of
 from volviz_ui.session.script import script_of
 from volviz_ui.views.image_copy import ImageCopy
 from volviz_ui.views.image_export import ImageExport
@@ -54,6 +54,10 @@ class FileCommands(QObject):
                 Command(
                     "file.open_folder", tr("Open &DICOM folder…"), tr("Open the series in a folder"), self.open_folder,
                     keys=("Ctrl+Shift+O",), icon="folder",
+                ),
+                Command(
+                    "file.add_layer", tr("Add &layer…"), tr("Show another file in the same picture"), self.add_layer,
+                    keys=("Ctrl+Shift+A",), icon="stack", enabled=has_volume,
                 ),
                 self.recent,
                 self.samples,
@@ -153,6 +157,20 @@ class FileCommands(QObject):
         if path:
             self.open_path(path)
 
+    def add_layer(self) -> None:
+        """Ask for a file and show it beside what is there."""
+        from volviz.io import file_dialog_filters
+
+        path, _filter = QFileDialog.getOpenFileName(
+            self._context.window,
+            self.tr("Add a layer"),
+            self._context.preferences.folder,
+            ";;".join(file_dialog_filters()),
+        )
+        if path:
+            self._context.preferences.folder = str(Path(path).parent)
+            self._context.documents.add(path)
+
     def open_folder(self) -> None:
         """Ask for a folder of DICOM files and open it."""
         path = QFileDialog.getExistingDirectory(
@@ -189,6 +207,11 @@ class FileCommands(QObject):
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
+
+    def add_dropped(self, paths: list[str]) -> None:
+        """Show what was dropped with Shift beside what is there."""
+        if paths:
+            self._context.documents.add(paths[0])
 
     def open_dropped(self, paths: list[str]) -> None:
         """Open what was dropped: one file or folder; of several files of one folder, the folder."""
@@ -231,8 +254,7 @@ class FileCommands(QObject):
             return None
         handle = self._context.views.active.controller.handle
         export = ImageExport(
-            shown.scene,
-            shown.volume,
+            shown,
             path,
             size,
             transparent=transparent,

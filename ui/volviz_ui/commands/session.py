@@ -13,8 +13,8 @@ from volviz.errors import VolvizError
 from volviz.model.session import SUFFIX, load_session, save_session
 from volviz_ui.app_context import AppContext
 from volviz_ui.session.autosave import left_behind
-from volviz_ui.session.documents import Opened
 from volviz_ui.session.loaded_scene import words_on_layers
+from volviz_ui.session.opening import Opened
 
 LAYER_WORDS_MS = 15000
 """How long it is said that something is not drawn."""

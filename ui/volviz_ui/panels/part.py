@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QSpinBox, QWidget
 
@@ -142,4 +144,13 @@ def _with_channel(scene: Scene, channel: int | None) -> Scene:
 
 
 def _with_time(scene: Scene, time: int) -> Scene:
-    return scene if scene.layer is None else scene.with_layer(time=time)
+    """All layers of the file, so that its channels are of one time."""
+    active = scene.layer
+    if active is None:
+        return scene
+    return replace(
+        scene,
+        layers=tuple(
+            replace(layer, time=time) if layer.volume == active.volume else layer for layer in scene.layers
+        ),
+    )
