@@ -6,9 +6,11 @@ import argparse
 import io
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from volviz import __version__
 from volviz.errors import VolvizError
+from volviz.volume_data.references import is_address
 
 #: Exit status for everything the user can mend.
 USER_ERROR = 2
@@ -94,13 +96,11 @@ def _open_window(arguments: Sequence[str]) -> int:
             "volviz --help lists the commands."
         )
     source = options.files[0] if options.files else None
-    if source is not None and not source.startswith("sample:"):
-        from pathlib import Path
-
-        if not Path(source).expanduser().exists():
-            raise VolvizError(
-                f"{source}: there is no such file, folder or command; volviz --help lists commands."
-            )
+    elsewhere = source is None or source.startswith("sample:") or is_address(source)
+    if source is not None and not elsewhere and not Path(source).expanduser().exists():
+        raise VolvizError(
+            f"{source}: there is no such file, folder or command; volviz --help lists commands."
+        )
     if not display_answers():
         raise VolvizError(
             "there is no display to open a window on; set DISPLAY, or draw pictures without one by "

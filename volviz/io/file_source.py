@@ -86,6 +86,8 @@ class FileSource(VolumeSource):
                 f"Level {chosen} is shown, of 0 (finest) to {len(needed) - 1}: level {chosen - 1} needs "
                 f"{finer / 2**30:.3g} GiB of memory to be drawn and {free / 2**30:.3g} GiB are free."
             )
+            told = {**self.description.metadata, "notes": tuple(self.load.notes)}
+            self.description = replace(self.description, metadata=told)
         return chosen
 
     def read_volume(self, request: ReadRequest) -> Volume:
@@ -164,7 +166,7 @@ def file_source(
     geometry : Geometry
         Of the finest level, as the file says it.
     dtype, colour
-        Decide whether components are colours (see `to_zyx`).
+        Type of the values as the file stores them. Both decide whether components are colours (see `to_zyx`).
     channels, times, is_labels, labels, statistics, unit, length_unit
         As in `Description`; what does not fit the axes is left out.
     coarser : sequence of (dimensions, Geometry)

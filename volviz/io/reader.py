@@ -197,6 +197,11 @@ class LoadRequest:
             self.notes.append(sentence)
 
     @property
+    def is_remote(self) -> bool:
+        """Whether the data lies at the address, and no copy of it on this machine."""
+        return bool(self.address) and not self.path.is_absolute()
+
+    @property
     def source(self) -> str:
         """What `load` was asked for, so that it can be asked again: an absolute path, a URL or ``sample:<id>``."""
         text = self.address or str(self.path)

@@ -12,6 +12,7 @@ import tensorstore
 import volviz
 from tests.unit.io import stores
 from volviz.errors import Cancelled, InputError, LoadError
+from volviz.io import info
 from volviz.io.zarr import store as zarr_store
 
 
@@ -195,10 +196,9 @@ def test_the_finest_level_that_fits_is_shown_and_told(tmp_path, monkeypatch):
         monkeypatch.setattr(f"volviz.io.{module}.free_bytes", lambda: 4096)
     volume = volviz.load(path)
     assert volume.dimensions == (8, 8, 8)
-    assert any(
-        note.startswith("Level 1 is shown, of 0 (finest) to 2: level 0 needs")
-        for note in volume.metadata["notes"]
-    )
+    (note,) = volume.metadata["notes"]
+    assert note.startswith("Level 1 is shown, of 0 (finest) to 2: level 0 needs")
+    assert note in info(path)["notes"]
     with pytest.raises(
         LoadError, match=r"^v.zarr: level 0 needs \S+ GiB of memory and \S+ GiB are free; read level 1"
     ):

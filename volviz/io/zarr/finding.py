@@ -39,7 +39,7 @@ def find(store: Store, request: LoadRequest) -> list[Found]:
     """
     root = store.node("")
     if root is None:
-        where = "at this address" if request.address else "in it"
+        where = "at this address" if request.is_remote else "in it"
         raise request.error(f"there is no Zarr, N5 or precomputed metadata {where}; check the path.")
     wanted = request.hints.series
     if isinstance(wanted, str) and wanted.strip("/") and not wanted.isdecimal():

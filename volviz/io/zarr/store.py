@@ -149,7 +149,7 @@ class Store:
     @classmethod
     def of(cls, request: LoadRequest) -> Store:
         """The store of a request: its folder, zip file or address."""
-        if request.address:
+        if request.is_remote:
             return cls(request, _remote(request))
         path = _readable(request.path.resolve())
         if path.is_dir():
@@ -236,7 +236,7 @@ class Store:
             "driver": node.driver,
             "kvstore": kvstore,
             # what has changed since the cache was filled is read again; asking a server each time takes too long
-            "recheck_cached_data": "open" if self.request.address else True,
+            "recheck_cached_data": "open" if self.request.is_remote else True,
             **extra,
         }
         if node.driver == "zarr":
@@ -258,14 +258,14 @@ class Store:
                 result = self.request.wait(future)
             except ValueError as error:
                 # a server may refuse what is not there, or answer with something else
-                if self.request.address and name != names[0]:
+                if self.request.is_remote and name != names[0]:
                     continue
                 raise sentence(self.request, error, f"'{start}{name}'") from None
             if result.state != "value":
                 continue
             own = _parsed(result.value)
             if own is None:
-                if name in (_INFO, _N5) or self.request.address:
+                if name in (_INFO, _N5) or self.request.is_remote:
                     # any file may be called so; a server may have a page for everything
                     continue
                 raise self.request.error(f"its metadata '{start}{name}' is unreadable; the store is damaged.")
