@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from volviz.errors import VolvizError as VolvizError
     from volviz.io import load as load
     from volviz.io import open as open  # noqa: A004 - as in tifffile, PIL
+    from volviz.io import save as save
     from volviz.kernels.marching import marching_cubes as marching_cubes
     from volviz.meshes.polydata import extract_isosurface as extract_isosurface
     from volviz.model.camera import Camera as Camera
@@ -53,6 +54,7 @@ _PUBLIC = {
     "plane_points": "volviz.slice_images",
     "presets": "volviz.api",
     "render": "volviz.renderer",
+    "save": "volviz.io",
     "show": "volviz.api",
     "slice_image": "volviz.slice_images",
     "techniques": "volviz.api",

@@ -6,9 +6,11 @@ import argparse
 import io
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from volviz import __version__
 from volviz.errors import VolvizError
+from volviz.volume_data.references import is_address
 
 #: Exit status for everything the user can mend.
 USER_ERROR = 2
@@ -52,40 +54,53 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import bench, compare, images, inspect, meshes
+    from volviz.commands import bench, compare, convert, images, inspect, meshes
 
     parser = argparse.ArgumentParser(
         prog="volviz",
-        description="Look into volumes. Without a command the window opens, with FILE or a bundled sample.",
+        description="Look into volumes. Without a command the window opens, with FILE or a bundled sample; "
+        "volviz FILE takes the options for reading that volviz info FILE takes (--time, --channel, ...).",
         epilog="volviz COMMAND --help tells more of a command.",
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (images, compare, bench, meshes, inspect):
+    for module in (images, convert, compare, bench, meshes, inspect):
         module.add_commands(commands)
     return parser
 
 
 _COMMANDS = (
-    "render", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques", "presets", "doctor",
+    "render", "convert", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques",
+    "presets", "doctor",
 )  # fmt: skip
 
 
+def _window_parser() -> argparse.ArgumentParser:
+    """The parser of what follows ``volviz`` where no command does."""
+    from volviz.commands.inputs import add_hints
+
+    parser = argparse.ArgumentParser(prog="volviz", usage="volviz [FILE] [options]", add_help=False)
+    parser.add_argument("files", nargs="*")
+    add_hints(parser)
+    return parser
+
+
 def _open_window(arguments: Sequence[str]) -> int:
+    from volviz.commands.inputs import hints_of
     from volviz.environment import display_answers
 
-    if len(arguments) > 1:
+    options = _window_parser().parse_args(arguments)
+    if len(options.files) > 1:
         raise VolvizError(
-            f"one file at a time, got {len(arguments)} arguments beginning with {arguments[0]!r}; "
+            f"one file at a time, got {len(options.files)} arguments beginning with {options.files[0]!r}; "
             "volviz --help lists the commands."
         )
-    if arguments and not arguments[0].startswith("sample:"):
-        from pathlib import Path
-
-        if not Path(arguments[0]).expanduser().exists():
-            raise VolvizError(
-                f"{arguments[0]}: there is no such file, folder or command; volviz --help lists commands."
-            )
+    source = options.files[0] if options.files else None
+    elsewhere = source is None or source.startswith("sample:") or is_address(source)
+    if source is not None and not elsewhere and not Path(source).expanduser().exists():
+        raise VolvizError(
+            f"{source}: there is no such file, folder or command; volviz --help lists commands."
+        )
     if not display_answers():
         raise VolvizError(
             "there is no display to open a window on; set DISPLAY, or draw pictures without one by "
@@ -94,7 +109,7 @@ def _open_window(arguments: Sequence[str]) -> int:
     # the one place where the library imports the desktop program
     from volviz_ui.app.start import main as start
 
-    return int(start(list(arguments)))
+    return int(start(source, **hints_of(options)))
 
 
 def _say(sentence: str) -> None:

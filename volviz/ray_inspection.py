@@ -13,7 +13,6 @@ from volviz.custom_gl.settings import CommonSettings
 from volviz.errors import InputError
 from volviz.kernels.preintegration import extinction_sums
 from volviz.model.render_spec import RenderSpec, View
-from volviz.model.transfer.function import table_size
 from volviz.reference.ray_profile import (
     SCALAR_MODES,
     Classify,
@@ -143,7 +142,7 @@ def inspect_ray(
     )  # fmt: skip
     optics = _optics(shown, common)
     lattice = Lattice(
-        volume.array, volume.index_to_world, *volume.range, common.interpolation == "nearest",
+        volume.finite_array, volume.index_to_world, *volume.bulk_range, common.interpolation == "nearest",
         common.gradient_delta,
     )  # fmt: skip
     jitter = pixel_noise(pixel, size) if common.jitter else None
@@ -173,7 +172,7 @@ def inspect_ray(
 
 def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
     volume, function = shown.volume, shown.drawn_function
-    low, high = volume.range
+    low, high = volume.bulk_range
     integer = volume.array.dtype.kind in "iu"
     shading = None
     if common.shading:
@@ -185,7 +184,9 @@ def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
     regions = function.by_gradient is not None
     if common.mode == "composite" and common.preintegrated and not regions:
         extinction_range = function.oracle_range(volume.range)
-        table = function.bake(extinction_range, table_size(extinction_range, integer)).astype(np.float64)
+        table = function.bake(
+            extinction_range, function.table_size(extinction_range, integer=integer)
+        ).astype(np.float64)
         if common.density_threshold > 0:
             values = np.linspace(*extinction_range, len(table))
             table[values < low + common.density_threshold * (high - low), 3] = 0.0
@@ -224,7 +225,9 @@ def _by_gradient(function: TransferFunction) -> Classify:
 def _by_value(volume: Volume, function: TransferFunction, integer: bool) -> Classify:
     """Look-up in the table that the images are drawn with."""
     first, last = function.table_range(volume.range)
-    table = function.bake((first, last), table_size((first, last), integer)).astype(np.float64)
+    table = function.bake((first, last), function.table_size((first, last), integer=integer)).astype(
+        np.float64
+    )
     places = np.linspace(first, last, len(table))
 
     def classify(values: npt.NDArray[np.float64], _gradients: Any) -> npt.NDArray[np.float64]:

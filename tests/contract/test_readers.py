@@ -12,12 +12,16 @@ import time
 from pathlib import Path
 from typing import Any
 
+import h5py
+import mrcfile
 import nibabel
 import numpy as np
 import pytest
 import tifffile
+from scipy.io import savemat
 
 import volviz
+from tests.unit.io import stores
 from tests.unit.io.writers import dicom_slice, itk, scalars
 from volviz.cli import main
 from volviz.errors import Cancelled, InputError, LoadError, VolvizError
@@ -80,14 +84,56 @@ def images(folder: Path) -> Path:
     return stack
 
 
+def zarr(folder: Path) -> Path:
+    return stores.zipped(stores.image(folder / "v", [ARRAY], [(1, 1, 1)]), folder / "v.zarr.zip")
+
+
+def mrc(folder: Path) -> Path:
+    with mrcfile.new(folder / "v.mrc", ARRAY) as file:
+        file.voxel_size = 1.0
+    return folder / "v.mrc"
+
+
+def mgh(folder: Path) -> Path:
+    nibabel.save(nibabel.MGHImage(ARRAY.T.copy(), np.diag([-1.0, -1, 1, 1])), folder / "v.mgz")
+    return folder / "v.mgz"
+
+
+#: Pairs of files, and values that are scaled slice by slice.
+TESTED_ELSEWHERE = ("MINC", "AFNI", "PAR/REC", "Interfile")
+
+
+def hdf5(folder: Path) -> Path:
+    with h5py.File(folder / "v.h5", "w") as file:
+        file.create_dataset("v", data=ARRAY, chunks=True, compression="gzip")
+    return folder / "v.h5"
+
+
+def matlab(folder: Path) -> Path:
+    savemat(folder / "v.mat", {"v": ARRAY.transpose(1, 2, 0)}, do_compression=True)
+    return folder / "v.mat"
+
+
+def numpy_archive(folder: Path) -> Path:
+    np.savez_compressed(folder / "v.npz", v=ARRAY)
+    return folder / "v.npz"
+
+
 GEOMETRY: dict[str, Any] = {"spacing": (1, 1, 1), "origin": (0, 0, 0)}
 WRITERS = {
     "NIfTI": nifti,
     "NRRD": lambda folder: itk(folder / "v.nrrd", ARRAY, compressed=True, **GEOMETRY),
     "MetaImage": lambda folder: itk(folder / "v.mha", ARRAY, compressed=True, **GEOMETRY),
     "VTK image": vtk_xml,
+    "MRC": mrc,
+    "MGH": mgh,
+    "GIPL": lambda folder: itk(folder / "v.gipl", ARRAY, **GEOMETRY),
     "TIFF": tiff,
     "DICOM": dicom,
+    "Zarr": zarr,
+    "HDF5": hdf5,
+    "MATLAB": matlab,
+    "NumPy archive": numpy_archive,
     "Pictures": images,
     "NumPy": numpy_file,
     "Raw": raw,
@@ -97,6 +143,8 @@ by_reader = pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader
 
 @pytest.fixture
 def file(reader, tmp_path) -> Path:
+    if reader.name in TESTED_ELSEWHERE:
+        pytest.skip("tests/unit/io/test_neuroimaging.py looks at pairs of files and scaled slices")
     assert reader.name in WRITERS, f"say in WRITERS how a {reader.name} file is made"
     return WRITERS[reader.name](tmp_path)
 
@@ -148,7 +196,8 @@ def test_loading_can_be_cancelled(reader, file, timeout):
 
 @by_reader
 def test_info_is_plain_and_goes_into_json(reader, file):
-    told = json.loads(json.dumps(info(file)))
+    assert json.loads(json.dumps(info(file)))["dims"] == [50, 40, 12]
+    told = json.loads(json.dumps(info(file, statistics=True)))
     assert told["dims"] == [50, 40, 12]
     assert told["dtype"] == "int16"
     assert told["range"] == [float(ARRAY.min()), float(ARRAY.max())]

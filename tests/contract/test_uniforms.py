@@ -20,6 +20,7 @@ from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.settings import MODES
 from volviz.custom_gl.shader_source import GLSL, ShaderText
 from volviz.custom_gl.vtk.vtk_imports import pyvista
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
 from volviz.model.transfer.function_2d import Region, TransferFunction2D
 
@@ -94,7 +95,18 @@ def record() -> Record:
             if info.kind == "image":
                 found.technique = technique
                 draw(technique)
+        found.technique = DEFAULT_TECHNIQUE
+        draw_whole_numbers()
     return found
+
+
+def draw_whole_numbers() -> None:
+    """Values of 8 and 16 bits, which are stored in other ways where OpenGL is computed on the processor."""
+    for dtype in (np.uint8, np.uint16):
+        of = volume(dtype)
+        with shown(of, DEFAULT_TECHNIQUE, SIZE, transfer_function=function(of)) as (window, handle):
+            window.render()
+            handle.raise_error()
 
 
 def draw(technique: str) -> None:
@@ -121,6 +133,13 @@ def draw(technique: str) -> None:
         show(
             transfer_function=volviz.TransferFunction(curve.points, by_gradient=TransferFunction2D((region,)))
         )
+        # narrower than two entries of the usual table
+        narrow = [
+            (low, (0, 0, 0, 0)),
+            *((low + 1e-4 * i, (1, 0, 0, i % 2)) for i in (1, 2, 3)),
+            (high, (0, 0, 0, 1)),
+        ]
+        show(transfer_function=volviz.TransferFunction.from_points(narrow))
         show(transfer_function=curve)
         for display, _ in handle.technique.debug_views:
             show(display=display)
@@ -149,8 +168,11 @@ def draw(technique: str) -> None:
                 volviz.ImageLayer(of, curve), volviz.ImageLayer(of, color="red"),
                 volviz.ImageLayer(volume(np.float32), curve), volviz.ImageLayer(of, curve, mode="mask"),
             )  # fmt: skip
-            for mode, _ in MODES:
-                handle.show(spec_of(layers, technique, mode=mode, shading=True))
+            numbers = volviz.Volume((of.array > of.array.mean()).astype(np.uint8))
+            labels = volviz.LabelLayer(numbers)
+            several = [((*layers, labels), {"mode": mode, "shading": True}) for mode, _ in MODES]
+            for shown_layers, values in [*several, ((labels,), {})]:
+                handle.show(spec_of(shown_layers, technique, **values))
                 window.render()
                 handle.raise_error()
         # one that is enlarged beside a mesh is drawn while something moves only

@@ -32,7 +32,7 @@ def drawn(*arguments: str) -> Any:
     return np.load("out.npy")
 
 
-def expected(*layers: ImageLayer) -> Any:
+def expected(*layers: Any) -> Any:
     return volviz.render(layers, size=(48, 40), background="black", dtype="float32")
 
 
@@ -56,6 +56,13 @@ def test_channels_and_files_become_layers(files: Path) -> None:
     assert not np.array_equal(both, usual)
 
 
+def test_files_of_labels_become_surfaces(files: Path) -> None:
+    np.save("seg.npy", (blobs((12, 14, 13), seed=5) > 100).astype(np.uint8) * 4)
+    seen = drawn("other.npy", "--layer", "seg.npy:labels")
+    other, labels = volviz.load("other.npy"), volviz.load("seg.npy")
+    np.testing.assert_array_equal(seen, expected(ImageLayer(other), volviz.LabelLayer(labels)))
+
+
 def test_one_channel_without_a_look_is_the_volume_that_is_read(files: Path) -> None:
     one = drawn("cells.tif", "--channel", "1")
     of = volviz.load("cells.tif", channel=1)
@@ -65,7 +72,8 @@ def test_one_channel_without_a_look_is_the_volume_that_is_read(files: Path) -> N
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--channel", "x:red"], "--channel takes a number from 0"),
+        (["--channel", "x:red"], "no channel is called 'x'"),
+        (["--channel", ":red"], "--channel takes a number from 0"),
         (["--channel", "0:nocolour"], "no preset, colour or colour map called 'nocolour'"),
         (["--channel", "0", "--channel", "7"], "channel"),
         (["--layer", "missing.nii"], "missing.nii"),

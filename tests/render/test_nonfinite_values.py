@@ -29,8 +29,9 @@ def test_no_number_is_drawn_as_the_lowest_value(technique: str) -> None:
         np.where(np.isfinite(holes.array), holes.array, holes.range[0]), spacing=holes.spacing
     )
     transfer, view = function(holes), camera(holes)
-    # the same first surface for both
-    surface = {p.name: 3.4 for p in volviz.techniques()[technique].parameters if p.name == "isovalue"}
+    # the same first surface for both, and the same grey window, which is chosen from the finite values
+    given = {"isovalue": 3.4, "window_level": 4.0, "window_width": 8.0}
+    surface = {p.name: given[p.name] for p in volviz.techniques()[technique].parameters if p.name in given}
     seen = image(holes, transfer, view, size=SIZE, technique_id=technique, **surface)
     expected = image(filled, transfer, view, size=SIZE, technique_id=technique, **surface)
     assert expected[..., 3].max() > 0.1

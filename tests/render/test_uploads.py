@@ -28,8 +28,11 @@ def test_a_change_of_the_function_uploads_one_table(
     technique: str, values: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     uploaded: list[int] = []
-    original = Gpu.table_texture
-    monkeypatch.setattr(Gpu, "table_texture", lambda gpu, table: uploaded.append(1) or original(gpu, table))
+    for name in ("table_texture", "segments_texture"):
+        upload = getattr(Gpu, name)
+        monkeypatch.setattr(
+            Gpu, name, lambda gpu, table, upload=upload: uploaded.append(1) or upload(gpu, table)
+        )
     computed: list[int] = []
     bake = resources.baked
     monkeypatch.setattr(resources, "baked", lambda *a, **k: computed.append(1) or bake(*a, **k))

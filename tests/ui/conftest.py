@@ -85,6 +85,7 @@ def save_ball(path: Path, value: int, *, size: int = 32) -> Path:
 @contextmanager
 def made_window(app: QApplication, theme: Theme, preferences: Preferences) -> Iterator[MainWindow]:
     """The window, shown, without a volume; taken down at the end."""
+    preferences.asks_about_changes = False
     window = MainWindow(theme, preferences)
     window.resize(*WINDOW_SIZE)
     window.show()
@@ -95,6 +96,7 @@ def made_window(app: QApplication, theme: Theme, preferences: Preferences) -> It
     yield window
     for box in window.findChildren(QMessageBox):
         box.close()
+    preferences.asks_about_changes = False
     window.close()
     window.deleteLater()
     settle(app)

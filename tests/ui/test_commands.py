@@ -320,6 +320,44 @@ def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences:
     del first, second, third, window
 
 
+def test_no_panel_has_two_tabs_after_reset_and_a_second_start(
+    qapp: QApplication, theme: Theme, preferences: Preferences
+) -> None:
+    def tabs(window: MainWindow) -> list[str]:
+        bars = [bar for bar in window.findChildren(QTabBar) if bar.isVisible() and bar.x() >= 0]
+        return sorted(bar.tabText(i) for bar in bars for i in range(bar.count()))
+
+    for floating in (False, True, False):
+        window = MainWindow(theme, preferences)
+        window.show()
+        for name in ("compare", "crosscheck"):
+            window.docks[name].setFloating(floating)
+            window.docks.show(name)
+        QTest.qWait(50)
+        opened = [] if floating else ["Compare", "Cross-check", "Data", "Transfer function"]
+        assert tabs(window) == opened
+        window.docks.reset()
+        QTest.qWait(50)
+        assert tabs(window) == []
+        assert [name for name in window.docks.names if window.docks[name].isVisible()] == [
+            "data", "technique", "transfer",
+        ]  # fmt: skip
+        window.docks.show("compare")
+        QTest.qWait(50)
+        assert tabs(window) == ["Compare", "Data"]
+        window.close()
+        window.deleteLater()
+        del window
+
+
+def test_two_views_of_four_are_two(window: MainWindow) -> None:
+    window.commands["compare.four_views"].trigger()
+    window.commands["compare.split"].trigger()
+    assert len(window.store.scene.views) == 2
+    window.commands["compare.split"].trigger()
+    assert len(window.store.scene.views) == 1
+
+
 def test_full_screen_and_back_by_escape(window: MainWindow) -> None:
     window.commands["view.full_screen"].trigger()
     assert window.isFullScreen()

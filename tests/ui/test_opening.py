@@ -106,17 +106,19 @@ def test_undo_reads_a_file_again_when_it_has_left_the_cache(
     window.open(other_file)
     wait_for(lambda: window.documents.volume is not first)
     window.documents.cache.clear()
+    read: list[str] = []
+    window.documents.loading_started.connect(read.append)
     window.commands["edit.undo"].trigger()
     wait_for(lambda: window.documents.volume.dimensions == (32, 32, 32))
-    assert window.documents.volume is not first
+    assert read == ["ball.npy"]
 
 
 def test_undo_to_a_file_that_is_gone_keeps_what_is_shown(
     window: MainWindow, ball_file: str, other_file: str, wait_for: Wait
 ) -> None:
-    first = window.documents.volume
     window.open(other_file)
-    wait_for(lambda: window.documents.volume is not first)
+    wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
+    wait_for(lambda: is_complete(window))
     shown, scene = window.documents.volume, window.store.scene
     window.documents.cache.clear()
     Path(ball_file).unlink()

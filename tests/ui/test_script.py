@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import volviz
-from volviz.model.scene import Scene
+from volviz.model.scene import Scene, SceneView
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 from volviz_ui.session.script import script_of
@@ -56,16 +56,19 @@ def test_values_of_a_layer_are_written(times_file: str) -> None:
     assert names["layer"] == volviz.ImageLayer(names["volume"], FUNCTION, opacity=0.25)
 
 
-def test_further_layers_are_written_and_said_not_to_be_drawn(times_file: str) -> None:
+def test_further_layers_are_drawn_or_said_not_to_be(times_file: str) -> None:
     ref = VolumeRef(times_file)
     labels = volviz.LabelLayer(
         ref, {3: "red", 5: (0.5, 0.25, 0)}, names={3: "liver"}, hidden=(1, 2), smooth=False, time=1
     )
     shift = [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
     other = volviz.ImageLayer(ref, FUNCTION, "PET", mode="modulate", time=2, transform=shift, visible=False)
-    script = script_of(Scene((labels, volviz.ImageLayer(ref, FUNCTION), other)), (32, 24))
+    first = volviz.ImageLayer(ref, FUNCTION)
+    layers = (labels, first, other)
+    script = script_of(Scene(layers), (32, 24))
+    assert "not in the picture" not in script
+    assert "    [layer, layer_2, layer_3]," in script
     names = run(script)
-    assert script.count("not in the picture") == 2
     source = names["layer_2"].volume
     assert source.sizes["t"] == 3
     assert names["layer_2"] == volviz.LabelLayer(
@@ -73,5 +76,13 @@ def test_further_layers_are_written_and_said_not_to_be_drawn(times_file: str) ->
     )
     assert names["layer_3"] == volviz.ImageLayer(
         names["layer_3"].volume, FUNCTION, "PET", mode="modulate", time=2, transform=shift, visible=False
+    )
+    alone = volviz.render(volviz.load(times_file), size=(32, 24), transfer_function=FUNCTION)
+    assert not np.array_equal(names["picture"], alone)
+    by_slices = script_of(Scene(layers, views=(SceneView("slicing"),)), (32, 24))
+    assert by_slices.count("not in the picture") == 2
+    assert np.array_equal(
+        run(by_slices)["picture"],
+        volviz.render(volviz.load(times_file), "slicing", size=(32, 24), transfer_function=FUNCTION),
     )
     assert "layer_2 = volviz.LabelLayer" in script_of(Scene((labels,)), (32, 24))

@@ -121,7 +121,6 @@ def test_references_mean_what_was_read_of_them(of: volviz.Volume) -> None:
         (lambda of: (), "no volume to show"),
         (lambda of: (volviz.ImageLayer(of, visible=False),), "all layers are hidden"),
         (lambda of: 17 * (volviz.ImageLayer(of),), "at most 16 layers are drawn together, got 17"),
-        (lambda of: (volviz.LabelLayer(of),), "label layers cannot be drawn yet"),
         (lambda of: (volviz.ImageLayer(of, mode="mask"),), '"mask" acts on others and shows nothing'),
         (lambda of: (volviz.ImageLayer(of, mode="modulate"),), '"modulate" acts on others and shows nothing'),
     ],

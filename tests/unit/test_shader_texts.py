@@ -199,7 +199,7 @@ def test_the_ray_loop_takes_two_layers() -> None:
     ).text
     for declared in (
         "uniform sampler3D t_scalars{};",
-        "uniform sampler2D t_table{};",
+        "uniform isampler2D t_segments{};",
         "uniform vec2 u_scalar_map{};",
         "float sample_scalar{}(vec3 p) {{",
         "vec4 layer_color{}(float front, float back, vec3 p) {{",

@@ -181,6 +181,6 @@ def _write(output: Path, work: BenchRun, command: str) -> None:
         csv_text(work) if is_csv else json.dumps(work.to_dict(command), indent=2, ensure_ascii=False) + "\n"
     )
     try:
-        output.write_text(text, encoding="utf-8", newline="" if is_csv else None)
+        output.write_text(text, encoding="utf-8", errors="backslashreplace", newline="" if is_csv else None)
     except OSError as error:
         raise VolvizError(f"{output}: the figures cannot be written ({error.strerror or error}).") from None

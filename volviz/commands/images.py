@@ -23,7 +23,7 @@ from volviz.model.render_spec import DEFAULT_TECHNIQUE
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.camera import Camera
-    from volviz.model.layers import ImageLayer
+    from volviz.model.layers import ImageLayer, LabelLayer
     from volviz.model.render_spec import RenderSpec
     from volviz.model.transfer.function import TransferFunction
     from volviz.volume_data.volume import Volume
@@ -123,7 +123,7 @@ def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path
 
 
 def draw(
-    layers: Sequence[ImageLayer],
+    layers: Sequence[ImageLayer | LabelLayer],
     info: TechniqueInfo,
     values: dict[str, Any],
     size: tuple[int, int],

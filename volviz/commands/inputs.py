@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from volviz.errors import InputError
 
 if TYPE_CHECKING:
+    from volviz.commands.progress import ProgressLine
+    from volviz.volume_data.source import VolumeSource
     from volviz.volume_data.volume import Volume
 
 
@@ -19,6 +21,11 @@ def add_input(
         "file", metavar="FILE", nargs="?" if optional else None,
         help="a volume file, a folder of DICOM slices, or sample:NAME",
     )  # fmt: skip
+    add_hints(parser, several_channels=several_channels)
+
+
+def add_hints(parser: argparse.ArgumentParser, *, several_channels: bool = False) -> None:
+    """The hints for reading alone."""
     hints = parser.add_argument_group("reading raw files and choosing from larger ones")
     hints.add_argument("--dims", metavar="X,Y,Z", help="voxels along each axis of a raw file")
     hints.add_argument("--dtype", help="type of raw values, for example uint16")
@@ -28,12 +35,15 @@ def add_input(
     hints.add_argument("--time", type=int, help="time point, from 0")
     if several_channels:
         hints.add_argument(
-            "--channel", action="append", default=[], metavar="N[:LOOK]",
-            help="channel, from 0; with a colour, colour map or preset, or more than once: channels drawn together",
+            "--channel", action="append", default=[], metavar="CHANNEL[:LOOK]",
+            help="channel, from 0, or its name; with a colour, colour map or preset, or more than once: channels drawn "
+            "together",
         )  # fmt: skip
     else:
-        hints.add_argument("--channel", type=int, help="channel, from 0")
-    hints.add_argument("--series", help="series of a DICOM folder or TIFF file")
+        hints.add_argument(
+            "--channel", metavar="CHANNEL", type=number_or_name, help="channel, from 0, or its name"
+        )
+    hints.add_argument("--series", type=number_or_name, help="series of a DICOM folder or TIFF file")
 
 
 def hints_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -50,12 +60,32 @@ def hints_of(options: argparse.Namespace) -> dict[str, Any]:
     return hints
 
 
-def numbers(text: str, name: str, kind: type[int | float]) -> tuple[Any, ...]:
-    """Numbers separated by commas or x."""
+def numbers(text: str, name: str, kind: type[int | float], count: int = 3) -> tuple[Any, ...]:
+    """So many numbers separated by commas or x."""
     try:
-        return tuple(kind(part) for part in text.lower().replace("x", ",").split(","))
+        found = tuple(kind(part) for part in text.lower().replace("x", ",").split(","))
+        if len(found) != count:
+            raise ValueError
     except ValueError:
-        raise InputError(f"--{name} takes three numbers such as 256,256,128, got {text!r}.") from None
+        words = {3: "three", 6: "six"}[count]
+        example = "256,256,128" if count == 3 else "0,256,0,256,10,40"
+        raise InputError(f"--{name} takes {words} numbers such as {example}, got {text!r}.") from None
+    return found
+
+
+def part_of(options: argparse.Namespace) -> dict[str, Any]:
+    """The time point and channel that were chosen, as keywords of `volviz.save`."""
+    return {
+        name: getattr(options, name) for name in ("time", "channel") if getattr(options, name) is not None
+    }
+
+
+def open_input(options: argparse.Namespace, line: ProgressLine | None = None) -> VolumeSource:
+    """The source that FILE names, with the other hints; see `part_of` for time point and channel."""
+    from volviz.io import open as open_source
+
+    hints = {name: hint for name, hint in hints_of(options).items() if name not in ("time", "channel")}
+    return open_source(source_of(options), progress=None if line is None else line.show, **hints)
 
 
 def load_input(options: argparse.Namespace) -> Volume:
@@ -63,6 +93,11 @@ def load_input(options: argparse.Namespace) -> Volume:
     from volviz.io import load
 
     return load(source_of(options), **hints_of(options))
+
+
+def number_or_name(text: str) -> int | str:
+    """What is all digits is a number, anything else a name."""
+    return int(text) if text.isascii() and text.isdigit() else text
 
 
 def source_of(options: argparse.Namespace) -> str:

@@ -12,10 +12,15 @@ from volviz.commands.inputs import add_input, hints_of, source_of
 def add_commands(commands: Any) -> None:
     """Add the commands of this file."""
     info = commands.add_parser(
-        "info", help="what a file holds", description="Reads a file and says what it holds."
+        "info", help="what a file holds", description="Reads the headers of a file and says what it holds."
     )
     add_input(info)
     info.add_argument("--json", action="store_true", help="as JSON")
+    info.add_argument(
+        "--statistics",
+        action="store_true",
+        help="read the values as well, and say between which limits they lie",
+    )
     info.set_defaults(run=run_info)
 
     samples = commands.add_parser("samples", help="list the bundled volumes")
@@ -39,24 +44,27 @@ def run_info(options: argparse.Namespace) -> int:
     """Print what a file holds."""
     from volviz.io import info
 
-    found = info(source_of(options), **hints_of(options))
+    found = info(source_of(options), statistics=options.statistics, **hints_of(options))
     if options.json:
         _say(json.dumps(found, indent=2))
         return 0
     unit = f" {found['unit']}" if found["unit"] else ""
     length = f" {found['length_unit']}" if found["length_unit"] else ""
+    kind = f", {found['dtype']}" if found["dtype"] else ""
     rows = [
         ("name", found["name"]),
         ("format", found["format"]),
-        ("voxels", " x ".join(str(n) for n in found["dims"]) + f" (x, y, z), {found['dtype']}"),
-        ("memory", f"{found['bytes'] / 2**20:.1f} MB"),
+        ("voxels", " x ".join(str(n) for n in found["dims"]) + " (x, y, z)" + kind),
         ("spacing", " x ".join(f"{s:g}" for s in found["spacing"]) + length),
         ("origin", ", ".join(f"{v:g}" for v in found["origin"]) + f"{length} (LPS)"),
         ("direction", "; ".join(
             ", ".join(f"{v:g}" for v in found["direction"][3 * row : 3 * row + 3]) for row in range(3)
         )),
-        ("range", f"{found['range'][0]:g} to {found['range'][1]:g}{unit}"),
     ]  # fmt: skip
+    if found["bytes"] is not None:
+        rows.insert(3, ("memory", f"{found['bytes'] / 2**20:.1f} MB"))
+    if found["range"] is not None:
+        rows.append(("range", f"{found['range'][0]:g} to {found['range'][1]:g}{unit}"))
     if "t" in found["sizes"]:
         times = found["times"]
         when = "" if times is None else f", from {times[0]:g} to {times[-1]:g} s"
@@ -64,6 +72,19 @@ def run_info(options: argparse.Namespace) -> int:
     if "c" in found["sizes"]:
         names = ", ".join(name for name in found["channels"] if name)
         rows.append(("channels", f"{found['sizes']['c']}{f' ({names})' if names else ''}"))
+    if len(found["levels"]) > 1:
+        rows += [
+            (f"level {number}", " x ".join(str(n) for n in level["dims"]) + ", spacing "
+             + " x ".join(f"{s:g}" for s in level["spacing"]) + length)
+            for number, level in enumerate(found["levels"])
+        ]  # fmt: skip
+    if found["labels"]:
+        named = ", ".join(f"{number} {name}".strip() for number, name in found["labels"][:12])
+        rows.append(
+            ("labels", f"{len(found['labels'])}: {named}{', …' if len(found['labels']) > 12 else ''}")
+        )
+    if len(found["series"]) > 1:
+        rows += [("holds", words) for words in found["series"]]
     if found["nonfinite"]:
         rows.append(("not finite", f"{found['nonfinite']} values, drawn as the lowest one"))
     rows += [("note", note) for note in found["notes"]]

@@ -7,22 +7,26 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from volviz.commands.inputs import hints_of, source_of
+from volviz.commands.inputs import hints_of, number_or_name, source_of
 from volviz.errors import InputError
 
 if TYPE_CHECKING:
-    from volviz.model.layers import ImageLayer
+    from volviz.model.layers import ImageLayer, LabelLayer
     from volviz.model.transfer.function import TransferFunction
     from volviz.volume_data.source import VolumeSource
     from volviz.volume_data.volume import Volume
+
+
+#: Look of a file whose values are labels; files that say so need none.
+LABELS = "labels"
 
 
 def add_layer_option(parser: argparse.ArgumentParser) -> None:
     """``--layer``; ``--channel`` is one of the hints for reading (`volviz.commands.inputs.add_input`)."""
     parser.add_argument(
         "--layer", action="append", default=[], metavar="FILE[:LOOK]", dest="layers",
-        help="draw this file as well, in the same ray integral; a look is a colour, colour map or preset. Can be "
-        "repeated",
+        help="draw this file as well, in the same ray integral; a look is a colour, colour map or preset, or "
+        "\"labels\" for surfaces of labels. Can be repeated",
     )  # fmt: skip
 
 
@@ -38,7 +42,7 @@ def single_channel(options: argparse.Namespace) -> None:
 
 def layers_of_options(
     options: argparse.Namespace, function: Callable[[argparse.Namespace, Volume], TransferFunction | None]
-) -> tuple[ImageLayer, ...]:
+) -> tuple[ImageLayer | LabelLayer, ...]:
     """What FILE, ``--channel`` and ``--layer`` name.
 
     Parameters
@@ -66,20 +70,22 @@ def layers_of_options(
     return (*found, *(_file_layer(text) for text in options.layers))
 
 
-def _channel(text: str) -> tuple[int, str]:
-    """Number and look, which may be empty, from "1:green"."""
-    number, _, look = text.partition(":")
-    if not number.strip().isdigit():
+def _channel(text: str) -> tuple[int | str, str]:
+    """Number or name, and look, which may be empty, from "1:green"; a name may have colons of its own."""
+    channel, colon, look = text.rpartition(":")
+    channel, look = (channel, look.strip()) if colon else (text, "")
+    if not channel.strip():
         raise InputError(
-            f"--channel takes a number from 0, or one with a look such as 1:green, got {text!r}."
+            f"--channel takes a number from 0 or a name, or one with a look such as 1:green, got {text!r}."
         )
-    return int(number), look.strip()
+    return number_or_name(channel.strip()), look
 
 
-def _channel_layer(source: VolumeSource, number: int, look: str, time: int) -> ImageLayer:
+def _channel_layer(source: VolumeSource, channel: int | str, look: str, time: int) -> ImageLayer:
     from volviz.model.layer_looks import channel_color, channel_function, named_look
     from volviz.model.layers import ImageLayer
 
+    number = source.channel_number(channel)
     volume = source.read(time=time, channel=number)
     known = source.channels[number]
     if look:
@@ -89,14 +95,16 @@ def _channel_layer(source: VolumeSource, number: int, look: str, time: int) -> I
     return ImageLayer(source, function, known.name, channel=number, time=time)
 
 
-def _file_layer(text: str) -> ImageLayer:
-    """A layer of "pet.nii.gz:hot"; the name of a file may have colons of its own."""
+def _file_layer(text: str) -> ImageLayer | LabelLayer:
+    """A layer of "pet.nii.gz:hot" or "seg.nii.gz:labels"; the name of a file may have colons of its own."""
     import volviz.io
     from volviz.model.layer_looks import named_look
-    from volviz.model.layers import ImageLayer
+    from volviz.model.layers import ImageLayer, LabelLayer
 
     path, look = _split(text)
     source = volviz.io.open(path)
+    if look == LABELS or (not look and source.is_labels):
+        return LabelLayer(source)
     return ImageLayer(source, named_look(look, source.read()) if look else None)
 
 

@@ -72,8 +72,10 @@ def run_isosurface(options: argparse.Namespace) -> int:
         raise InputError(
             f"{volume.name} has no surface at {options.isovalue:g}; its values lie between {low:g} and {high:g}."
         )
-    save_mesh(mesh, output, overwrite=options.overwrite, progress=progress.part(0.8, 1.0))
+    note = save_mesh(mesh, output, overwrite=options.overwrite, progress=progress.part(0.8, 1.0))
     progress.end()
+    if note:
+        print(note, file=sys.stderr)
     area, enclosed = mesh_area_volume(mesh)
     _say(f"{output}: {mesh.n_cells} triangles, {mesh.n_points} vertices, area {area:g}, volume {enclosed:g}")
     return 0

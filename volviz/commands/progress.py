@@ -36,6 +36,11 @@ class ProgressLine:
         self._handler: Any = None
         self._begun = time.monotonic()
 
+    @property
+    def is_stopping(self) -> bool:
+        """Whether Ctrl+C was pressed, for work that asks."""
+        return self._stopping
+
     def show(self, fraction: float, words: str = "") -> None:
         """Show a fraction, 0..1, and what is being done."""
         if self._lines:

@@ -334,7 +334,7 @@ def oracle_scene(spec: RenderSpec, view: View, step: float) -> OracleScene:
     volume, light, (width, height) = shown.volume, shown.light, view.size
     modelview, projection = camera.matrices(width / height, camera.clipping_range(volume.corners))
     return OracleScene(
-        volume.array, volume.spacing, shown.drawn_function, volume.range, volume.mean_spacing,
+        volume.array, volume.spacing, shown.drawn_function, volume.bulk_range, volume.mean_spacing,
         step * min(volume.spacing), modelview, projection, view.size, volume.origin, volume.direction,
         isovalues=shown.isovalues,
         light=light if light.headlight else replace(light, position=shown.light_position),

@@ -48,6 +48,8 @@ def save_reports(comparisons: Sequence[Comparison], path: str | Path, notes: Seq
         text = html_report(comparisons, notes)
     else:
         text = {".json": json_report, ".csv": csv_report}[kind](comparisons)
+    # a name of a file need not be text: what is none becomes a replacement character
+    text = text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
     try:
         # csv brings its own line ends
         target.write_text(text, encoding="utf-8", newline="" if kind == ".csv" else None)

@@ -16,13 +16,6 @@ def is_same_lattice(one: Volume, other: Volume) -> bool:
     return one.dimensions == other.dimensions and np.array_equal(one.index_to_world, other.index_to_world)
 
 
-def lattice_numbers(volumes: Sequence[Volume]) -> tuple[int, ...]:
-    """For each volume the number of the first one on its lattice."""
-    return tuple(
-        next(n for n, first in enumerate(volumes) if is_same_lattice(first, volume)) for volume in volumes
-    )
-
-
 def joint_crop(volumes: Sequence[Volume]) -> Crop:
     """The box around all volumes, in continuous voxel indices of the first one; it may reach beyond its voxels."""
     matrix = volumes[0].world_to_index

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, ClassVar, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from volviz.custom_gl.technique import TechniqueInfo, drawn_function
 from volviz.errors import InputError
+from volviz.model.label_palette import LabelLook, ShownLabels
 from volviz.model.layers import ImageLayer, LabelLayer, LayerMode, volume_of
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeKey
+from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 
 #: Layers that one picture may join.
@@ -59,13 +61,52 @@ class ResolvedLayer:
         )  # fmt: skip
 
 
+@dataclass(frozen=True, eq=False)
+class ResolvedLabels:
+    """A layer of labels with every choice made.
+
+    Attributes
+    ----------
+    volume : Volume
+        Its labels, where they are shown.
+    shown : ShownLabels
+        How.
+    mode : {"add", "mask"}
+        Its surfaces are seen, or the others are seen within its labels only.
+    """
+
+    volume: Volume
+    shown: ShownLabels
+    mode: Literal["add", "mask"]
+
+    #: What framing and picking take for it: all labels but 0.
+    FUNCTION: ClassVar[TransferFunction] = TransferFunction.from_points(
+        [(0.0, (0.8, 0.8, 0.8, 0.0)), (1.0, (0.8, 0.8, 0.8, 1.0))]
+    )
+
+    @property
+    def place_in_order(self) -> tuple[Any, ...]:
+        """As in `ResolvedLayer`."""
+        volume = self.volume
+        return (
+            self.mode,
+            volume.index_to_world.tobytes(),
+            volume.dimensions,
+            volume.name,
+            id(volume),
+            repr(self.shown),
+        )
+
+
 @lru_cache(maxsize=64)
 def _written(function: TransferFunction) -> str:
     return repr(function)
 
 
-def visible_layers(layers: Sequence[ImageLayer | LabelLayer], info: TechniqueInfo) -> tuple[ImageLayer, ...]:
-    """The layers of a spec that are seen.
+def visible_layers(
+    layers: Sequence[ImageLayer | LabelLayer], info: TechniqueInfo, mode: str
+) -> tuple[tuple[ImageLayer, ...], tuple[LabelLayer, ...]]:
+    """The image layers of a spec that are seen, and its layers of labels that are, in a mode of a ray caster.
 
     Raises
     ------
@@ -78,11 +119,18 @@ def visible_layers(layers: Sequence[ImageLayer | LabelLayer], info: TechniqueInf
     if not seen:
         raise InputError("all layers are hidden; make one visible.")
     images = tuple(layer for layer in seen if isinstance(layer, ImageLayer))
-    if len(images) < len(seen):
-        raise InputError("label layers cannot be drawn yet; show the labels as an ImageLayer.")
-    if not any(layer.mode == "add" for layer in images):
+    labels = tuple(layer for layer in seen if isinstance(layer, LabelLayer))
+    if labels and not info.draws_layers:
+        raise InputError(f"{info.label} draws no labels; hide the layers of labels, or draw by raycast.")
+    if mode != "composite" and any(layer.mode == "add" for layer in labels):
+        labels = tuple(layer for layer in labels if layer.mode != "add")
+        if not images:
+            raise InputError(
+                f'labels are surfaces, which the mode "{mode}" has no place for; choose "composite".'
+            )
+    if all(layer.mode != "add" for layer in images) and all(layer.mode != "add" for layer in labels):
         raise InputError(
-            f'a layer of the mode "{images[0].mode}" acts on others and shows nothing itself; add one of the mode '
+            f'a layer of the mode "{seen[0].mode}" acts on others and shows nothing itself; add one of the mode '
             '"add".'
         )
     if len(seen) > MAX_LAYERS:
@@ -91,7 +139,19 @@ def visible_layers(layers: Sequence[ImageLayer | LabelLayer], info: TechniqueInf
         raise InputError(
             f"{info.label} draws one layer and {len(seen)} are visible; hide the others, or draw them all by raycast."
         )
-    return images
+    return images, labels
+
+
+def resolved_labels(layer: LabelLayer, volumes: Mapping[VolumeKey, Volume]) -> ResolvedLabels:
+    """A layer of labels with its choices made; colours that it does not name are those of its file."""
+    read = volume_of(layer, volumes)
+    colors = dict(layer.colors)
+    if isinstance(layer.volume, VolumeSource):
+        known = {label.number: label.color for label in layer.volume.labels if label.color is not None}
+        colors = known | colors
+    look = LabelLook(tuple(sorted(colors.items())), layer.hidden, layer.opacity)
+    placed = read if layer.transform is None else read.moved(layer.transform)
+    return ResolvedLabels(placed, ShownLabels(look, layer.smooth), layer.mode)
 
 
 def resolved_layer(

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from volviz.custom_gl.settings import common_settings
 from volviz.model.clipping import Clipping
 from volviz.model.light import Light
-from volviz.model.transfer.function import TransferFunction, table_size
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
@@ -85,7 +85,8 @@ class OracleScene:
     def table(self) -> npt.NDArray[np.float32]:
         """Colours and opacities over the value range, shape (N, 4)."""
         return self.function.bake(
-            self.value_range, table_size(self.value_range, self.array.dtype.kind in "iu")
+            self.value_range,
+            self.function.table_size(self.value_range, integer=self.array.dtype.kind in "iu"),
         )
 
     def unit_distance(self, settings: Any) -> float:

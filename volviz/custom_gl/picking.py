@@ -42,12 +42,15 @@ class Picked(NamedTuple):
         Scalar at the point, in data units.
     isovalue : float or None
         The isovalue of the surface that was hit; None where the image shows no isosurface.
+    volume : Volume or None
+        Of several layers, the one that is seen; `voxel` is one of its voxels.
     """
 
     position: Vector
     voxel: tuple[int, int, int]
     value: float
     isovalue: float | None = None
+    volume: Volume | None = None
 
 
 @dataclass(frozen=True)
@@ -126,8 +129,9 @@ class Sight:
             found = function.evaluate(values, self.volume.range)[:, 3]
         else:
             found = function.by_gradient.evaluate(values, self.gradients(t))[:, 3] * function.opacity
-        low, high = self.volume.range
-        threshold = low + self.common.density_threshold * (high - low)
+        low, high = self.volume.bulk_range
+        share = self.common.density_threshold
+        threshold = low + share * (high - low) if share > 0 else -np.inf
         return np.where(values < threshold, 0.0, np.clip(found, 0.0, 1 - 1e-9))
 
     def picked(self, t: float, isovalue: float | None = None) -> Picked:
@@ -135,7 +139,7 @@ class Sight:
         x, y, z = (float(v) for v in self.point(t))
         last = np.array(self.volume.dimensions) - 1
         i, j, k = (int(v) for v in np.clip(np.rint(self.indices(t)[0]), 0, last))
-        return Picked((x, y, z), (i, j, k), float(self.values(t)[0]), isovalue)
+        return Picked((x, y, z), (i, j, k), float(self.values(t)[0]), isovalue, self.volume)
 
 
 def first_visible(sight: Sight) -> Picked | None:
@@ -184,7 +188,7 @@ def surface(
         return None
     last = np.array(sight.volume.dimensions) - 1
     i, j, k = (int(v) for v in np.clip(np.rint(found.voxel), 0, last))
-    return Picked(found.position, (i, j, k), found.value, float(isovalues[found.surface]))
+    return Picked(found.position, (i, j, k), found.value, float(isovalues[found.surface]), sight.volume)
 
 
 def on_isovalue(sight: Sight) -> Picked | None:

@@ -64,7 +64,8 @@ def _joint_program(
         "scalar": f"composite/{mode}.glsl",
         "fetch": "fetch/packed.glsl",
     }
-    for number, layer in enumerate(frame.layers):
+    images = [layer for layer in frame.layers if layer.labels is None]
+    for number, layer in enumerate(images):
         regions = layer.transfer_function.by_gradient is not None
         hooks[layer_name("classify", number)] = "classify/regions.glsl" if regions else "classify/curve.glsl"
     own = layer_defines(frame.joint.arrangement, frame.layers)

@@ -11,13 +11,20 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.lattices import crop_planes, is_same_lattice, joint_crop
-from volviz.custom_gl.layer_set import ResolvedLayer, resolved_layer, visible_layers
+from volviz.custom_gl.layer_set import (
+    ResolvedLabels,
+    ResolvedLayer,
+    resolved_labels,
+    resolved_layer,
+    visible_layers,
+)
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.settings import CommonSettings, common_settings
 from volviz.custom_gl.technique import TechniqueInfo, surface_settings
 from volviz.errors import InputError
 from volviz.kernels.slices import crop_corners
 from volviz.model.clipping import Clipping, Crop, Plane
+from volviz.model.layers import LabelLayer
 from volviz.model.light import Light, default_position
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
@@ -62,7 +69,9 @@ class ResolvedSpec:
     spec : RenderSpec
         What was asked for.
     layers : tuple of ResolvedLayer
-        The layers that are drawn, in an order that does not depend on the one in which they were given.
+        The image layers that are drawn, in an order that does not depend on the one in which they were given.
+    labels : tuple of ResolvedLabels
+        The layers of labels that are drawn, likewise.
     volume : Volume
         The data of the first layer that is seen, which the crop box, panels and pickers mean.
     info : TechniqueInfo
@@ -86,6 +95,7 @@ class ResolvedSpec:
 
     spec: RenderSpec
     layers: tuple[ResolvedLayer, ...]
+    labels: tuple[ResolvedLabels, ...]
     volume: Volume
     info: TechniqueInfo
     settings: Any
@@ -124,12 +134,23 @@ class ResolvedSpec:
     @property
     def volumes(self) -> tuple[Volume, ...]:
         """The data of all layers that are drawn; rays are given in texture coordinates of the first one."""
-        return tuple(layer.volume for layer in self.layers)
+        return tuple(layer.volume for layer in self.all_layers)
+
+    @property
+    def all_layers(self) -> tuple[ResolvedLayer | ResolvedLabels, ...]:
+        """Image layers, then those of labels."""
+        return (*self.layers, *self.labels)
+
+    @property
+    def is_joint(self) -> bool:
+        """Whether several layers, or labels, are drawn in one integral."""
+        return len(self.layers) > 1 or bool(self.labels)
 
     @property
     def seen(self) -> list[tuple[Volume, TransferFunction]]:
-        """Data and drawn function of each layer whose matter is added."""
-        return [(layer.volume, layer.drawn_function) for layer in self.layers if layer.mode == "add"]
+        """Data of each layer that is seen, and the function that shows it."""
+        images = [(layer.volume, layer.drawn_function) for layer in self.layers if layer.mode == "add"]
+        return images + [(layer.volume, layer.FUNCTION) for layer in self.labels if layer.mode == "add"]
 
     @cached_property
     def is_one_lattice(self) -> bool:
@@ -157,9 +178,15 @@ class ResolvedSpec:
     @property
     def notice(self) -> str:
         """A sentence on what of the settings cannot be drawn together; empty when nothing."""
+        hidden = any(
+            isinstance(layer, LabelLayer) and layer.visible and layer.mode == "add"
+            for layer in self.spec.layers
+        )
+        if hidden and self.common.mode != "composite":
+            return "Labels are surfaces and are seen by compositing only."
         if not self.common.preintegrated:
             return ""
-        if len(self.layers) > 1:
+        if self.is_joint:
             return "Several layers are drawn without pre-integration."
         if self.drawn_function.by_gradient is None:
             return ""
@@ -179,9 +206,12 @@ class ResolvedSpec:
         if all(kept is layer for kept, layer in zip(layers, self.layers, strict=True)):
             return self
         drawn = next(
-            kept.drawn_function
-            for kept, layer in zip(layers, self.layers, strict=True)
-            if layer.drawn_function is self.drawn_function
+            (
+                kept.drawn_function
+                for kept, layer in zip(layers, self.layers, strict=True)
+                if layer.drawn_function is self.drawn_function
+            ),
+            self.drawn_function,
         )
         return replace(self, layers=layers, drawn_function=drawn)
 
@@ -203,25 +233,30 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
     """
     info = technique_info(spec.technique)
     settings = settings_of(spec)
-    seen = visible_layers(spec.layers, info)
+    common = common_settings(settings)
+    seen, seen_labels = visible_layers(spec.layers, info, common.mode)
     for layer in seen:
         check_kinds(transfer_function=layer.transfer_function)
     check_kinds(light=spec.light, clipping=spec.clipping)
     layers = [resolved_layer(layer, volumes or {}, info, settings) for layer in seen]
-    first = next(layer for layer in layers if layer.mode == "add")
-    corners = np.concatenate([layer.volume.corners for layer in layers])
+    labels = [resolved_labels(layer, volumes or {}) for layer in seen_labels]
+    first = next((layer for layer in layers if layer.mode == "add"), None)
+    drawn: list[ResolvedLayer | ResolvedLabels] = [*layers, *labels]
+    volume = next(layer.volume for layer in drawn if layer.mode == "add")
+    corners = np.concatenate([layer.volume.corners for layer in drawn])
     (x0, y0, z0), (x1, y1, z1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     return ResolvedSpec(
         spec=spec,
         layers=tuple(sorted(layers, key=lambda layer: layer.place_in_order)),
-        volume=first.volume,
+        labels=tuple(sorted(labels, key=lambda layer: layer.place_in_order)),
+        volume=volume,
         info=info,
         settings=settings,
-        common=common_settings(settings),
+        common=common,
         light_position=spec.light.position or default_position((x0, x1, y0, y1, z0, z1)),
-        crop=spec.clipping.crop_within(first.volume.dimensions),
-        transfer_function=first.transfer_function,
-        drawn_function=first.drawn_function,
+        crop=spec.clipping.crop_within(volume.dimensions),
+        transfer_function=ResolvedLabels.FUNCTION if first is None else first.transfer_function,
+        drawn_function=ResolvedLabels.FUNCTION if first is None else first.drawn_function,
         surface_colors=checked_surface_colors(info, spec.surface_colors),
     )
 

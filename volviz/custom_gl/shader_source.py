@@ -13,7 +13,8 @@ two volumes stand in one loop. Layer 0 keeps the names as they are written. A ho
 
 Lines between ``#pragma each_layer`` and ``#pragma end`` stand there once for each layer (the define ``LAYERS`` says how
 many there are, 1 unless it is given), as text of that layer: names of its files get its number, and the word ``LAYER``
-becomes the number itself. ``#pragma each_lattice`` is the same for the layers that stand for a lattice: those whose
+becomes the number itself. ``#pragma each_label`` is the same for layers of labels (``LABELS``, 0 unless it is given),
+which are counted on from those, and ``#pragma each_lattice`` for the layers that stand for a lattice: those whose
 define ``LATTICE`` is their own number.
 """
 
@@ -42,7 +43,7 @@ DEFAULT_HOOKS = {
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)(?:\s+LAYER(\d+))?\s*$')
 _PER_LAYER = re.compile(r"^\s*#\s*pragma\s+per_layer\s*$")
-_EACH = re.compile(r"^\s*#\s*pragma\s+each_(layer|lattice)\s*$")
+_EACH = re.compile(r"^\s*#\s*pragma\s+each_(layer|label|lattice)\s*$")
 _END = re.compile(r"^\s*#\s*pragma\s+end\s*$")
 _OF_LAYER = re.compile(r"^(\w+?)_(\d+)$")
 _DECLARED = re.compile(
@@ -153,10 +154,12 @@ class _Assembly:
             match = _OF_LAYER.match(name)
             if match:
                 self._names.setdefault(int(match[2]), set()).add(match[1])
-        layers = range(int(str(defines.get("LAYERS", 1))))
+        layers, labels = (int(str(defines.get(*count))) for count in (("LAYERS", 1), ("LABELS", 0)))
+        all_layers = range(layers + labels)
         self._numbers: dict[str, Sequence[int]] = {
-            "layer": layers,
-            "lattice": [n for n in layers if int(str(defines.get(layer_name("LATTICE", n), n))) == n],
+            "layer": all_layers[:layers],
+            "label": all_layers[layers:],
+            "lattice": [n for n in all_layers if int(str(defines.get(layer_name("LATTICE", n), n))) == n],
         }
 
     def insert(self, path: Path, layer: int) -> None:

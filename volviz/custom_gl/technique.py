@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from volviz.custom_gl.oracles import OracleScene
     from volviz.custom_gl.picking import Picked, Sight
     from volviz.custom_gl.study import Study
+    from volviz.model.label_palette import ShownLabels
     from volviz.model.layers import LayerMode
     from volviz.model.surface_values import SurfaceColors
     from volviz.model.transfer.function import TransferFunction
@@ -297,12 +298,15 @@ class Frame:
         Values of the surface that are to be seen instead of its own colours, where the technique can
         (`TechniqueInfo.colors_surface`).
     layers : tuple of Frame
-        Where several layers are drawn in one integral, each as if it were alone, the first one like this frame; empty
-        where one is drawn. Their places in shaders are those in this tuple (`volviz.custom_gl.shader_source`).
+        Where several layers are drawn in one integral, or labels, each as if it were alone, the first one like this
+        frame, image layers before labels; empty where one volume is drawn. Their places in shaders are those in this
+        tuple (`volviz.custom_gl.shader_source`).
     joint : LayerResources or None
         Textures that several layers share.
     mode : {"add", "mask", "modulate"}
         How the volume joins other layers (`volviz.ImageLayer`).
+    labels : ShownLabels or None
+        Of a layer of labels, how it is drawn.
     joined_to : Frame or None
         Of one of several layers, the frame of all: it says the step and from where surfaces are seen.
     """
@@ -336,6 +340,7 @@ class Frame:
     layers: tuple[Frame, ...] = ()
     joint: LayerResources | None = None
     mode: LayerMode = "add"
+    labels: ShownLabels | None = None
     joined_to: Frame | None = None
 
     @property
@@ -414,9 +419,9 @@ class Frame:
         vertex, fragment : Path
             Shader files.
         defines : mapping, optional
-            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at), ``CLIP_PLANES`` (their number) and
-            ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY``, which follow the settings of these names; can
-            override them.
+            Beside ``SCENE_DEPTH`` (there is opaque geometry to stop at), ``CLIP_PLANES`` (their number),
+            ``TABLE_FOLDED`` (a table of more than one row) and ``NEAREST``, ``SHADING`` and ``GRADIENT_OPACITY``, which
+            follow the settings of these names; can override them.
         hooks : mapping, optional
             Files for hooks; ``classify`` and ``shade`` follow the transfer function and the setting ``shading``
             unless they are named.
@@ -433,12 +438,15 @@ class Frame:
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,
+            "TABLE_FOLDED": self.joint is None and self.resources.folds_table(self.transfer_function),
         }
         regions = self.transfer_function.by_gradient is not None
         chosen: dict[str, str | Path] = {
             "classify": "classify/regions.glsl" if regions else "classify/curve.glsl",
             "shade": "shade/lit.glsl" if common.shading else "shade/unlit.glsl",
         }
+        if self.joint is None:
+            chosen["fetch"] = self.resources.fetch
         program = self.gpu.programs.get(
             vertex,
             fragment,

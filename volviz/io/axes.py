@@ -17,7 +17,25 @@ if TYPE_CHECKING:
 #: Weights of red, green and blue in the brightness of a display-referred colour (ITU-R BT.709-6, item 3.2).
 LUMA = (0.2126, 0.7152, 0.0722)
 
+#: Names of axes in files of general kinds.
+_LETTERS = {
+    "time": "T", "frame": "T", "channel": "C", "depth": "Z", "plane": "Z", "slice": "Z", "lev": "Z", "level": "Z",
+    "height": "Y", "row": "Y", "lat": "Y", "latitude": "Y", "width": "X", "column": "X", "col": "X", "lon": "X",
+    "longitude": "X", **{letter.lower(): letter for letter in "TCZYX"},
+}  # fmt: skip
+
 _WORDS = {"T": ("time", "time point"), "C": ("channel", "channel"), "S": ("channel", "colour component")}
+
+
+def axis_letter(name: object) -> str:
+    """The letter of an axis by its name: "T", "C", "Z", "Y", "X", or "-" for one that nothing is known of."""
+    return _LETTERS.get(str(name).strip().lower(), "-")
+
+
+def usual_axes(shape: tuple[int, ...], dtype: npt.DTypeLike) -> str:
+    """What three to five axes without names are taken for: t, c, z, y, x, and colours of 8 bits last."""
+    colours = len(shape) > 3 and shape[-1] in (3, 4) and np.dtype(dtype) == np.uint8
+    return {3: "ZYX", 4: "ZYXS" if colours else "TZYX", 5: "TZYXS" if colours else "TCZYX"}[len(shape)]
 
 
 def choose(request: LoadRequest, letter: str, count: int) -> int:
@@ -71,7 +89,7 @@ def to_zyx(
         axes = axes.replace("S", "")
         count = array.shape[-1]
         if are_colours("S", (count,), array.dtype, colour) and request.channel is None:
-            request.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
+            request.note("Colours are shown as their brightness; their components are channels 0, 1 and 2.")
             array = brightness(array)
         else:
             array = array[..., choose(request, "S", count)]

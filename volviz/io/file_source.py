@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from volviz.errors import InputError, LoadError
 from volviz.io.axes import are_colours, to_zyx
+from volviz.io.memory import free_bytes
 from volviz.io.resampling import Rectangular
 from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
 from volviz.volume_data.references import content_id
@@ -27,8 +30,9 @@ from volviz.volume_data.volume import (
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from volviz.io.entries import Entry
     from volviz.io.geometry import Geometry
-    from volviz.io.reader import LoadRequest
+    from volviz.io.reader import LoadOptions, LoadRequest
 
 _COLOURS = (
     Channel("red", (1.0, 0.0, 0.0)), Channel("green", (0.0, 1.0, 0.0)), Channel("blue", (0.0, 0.0, 1.0)),
@@ -47,18 +51,50 @@ class FileSource(VolumeSource):
         What was opened; its hints take the place of what the file says, its notes come with every volume.
     description : Description
     values : callable(LoadRequest) -> ndarray of shape (z, y, x)
-        Reads the time point, channel and box of a job, from any thread.
+        Reads the level, time point, channel and box of a job, from any thread.
+    entries : sequence of Entry
+        All that the file holds, where it holds several images or arrays.
     """
 
-    def __init__(self, load: LoadRequest, description: Description, values: Values) -> None:
+    def __init__(
+        self, load: LoadRequest, description: Description, values: Values, entries: Sequence[Entry] = ()
+    ) -> None:
         super().__init__(description)
-        self.load = load
+        # who opened it need not be told of what is read
+        self.load = replace(load, progress=None, cancel=None)
         self.values = values
+        self._entries = tuple(entries)
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """All that the file holds, this one included; empty where it is alone."""
+        return self._entries
+
+    @cached_property
+    def default_level(self) -> int:
+        """The finest level that fits into memory together with what drawing needs; a coarser one is told."""
+        free = free_bytes()
+        if free is None or len(self.levels) < 2 or not self.description.dtype:
+            return 0
+        # beside the values stand those that the graphics card gets, real numbers of four bytes at most
+        bytes_each = np.dtype(self.description.dtype).itemsize + 4
+        needed = [bytes_each * math.prod(level.dimensions) for level in self.levels]
+        chosen = next((n for n, wanted in enumerate(needed) if wanted <= free), len(needed) - 1)
+        if chosen:
+            finer = needed[chosen - 1]
+            self.load.note(
+                f"Level {chosen} is shown, of 0 (finest) to {len(needed) - 1}: level {chosen - 1} needs "
+                f"{finer / 2**30:.3g} GiB of memory to be drawn and {free / 2**30:.3g} GiB are free."
+            )
+            told = {**self.description.metadata, "notes": tuple(self.load.notes)}
+            self.description = replace(self.description, metadata=told)
+        return chosen
 
     def read_volume(self, request: ReadRequest) -> Volume:
         """The values with their geometry, and with what was noted at opening and reading."""
         load = replace(
-            self.load, time=request.time or None, channel=request.channel, box=request.box,
+            self.load, level=request.level, time=request.time if request.time_chosen else None,
+            channel=request.channel, box=request.box,
             progress=request.progress, cancel=request.cancel, notes=list(self.load.notes),
         )  # fmt: skip
         with told_in_a_sentence(load):
@@ -113,6 +149,9 @@ def file_source(
     labels: Sequence[Label] = (),
     unit: str = "",
     length_unit: str = "",
+    coarser: Sequence[tuple[tuple[int, int, int], Geometry]] = (),
+    entries: Sequence[Entry] = (),
+    content: str | None = None,
     **metadata: Any,
 ) -> FileSource:
     """The source that a reader gives.
@@ -127,9 +166,15 @@ def file_source(
     geometry : Geometry
         Of the finest level, as the file says it.
     dtype, colour
-        Decide whether components are colours (see `to_zyx`).
+        Type of the values as the file stores them. Both decide whether components are colours (see `to_zyx`).
     channels, times, is_labels, labels, statistics, unit, length_unit
         As in `Description`; what does not fit the axes is left out.
+    coarser : sequence of (dimensions, Geometry)
+        Further levels, each coarser than the one before. They are left out of sheared lattices.
+    entries : sequence of Entry
+        See `FileSource`.
+    content : str, optional
+        What changes when the data changes; default: size and date of the file.
 
     Raises
     ------
@@ -140,13 +185,15 @@ def file_source(
     sizes = dict(zip(axes, (int(n) for n in shape), strict=True))
     letter = "C" if "C" in sizes else "S"
     count, time_count = (n if n is not None and n > 1 else None for n in (sizes.get(letter), sizes.get("T")))
-    if letter == "S" and are_colours(axes, tuple(shape), dtype, colour):
+    is_colour = letter == "S" and are_colours(axes, tuple(shape), dtype, colour)
+    if is_colour:
         channels = _COLOURS[:count]
     dimensions = sizes["X"], sizes["Y"], sizes.get("Z", 1)
     shear = shear_of(np.asarray(geometry.direction, np.float64).reshape(3, 3))
     if shear > SHEAR_LIMIT and min(dimensions) > 1:
         upright = Rectangular.around(dimensions, geometry)
         dimensions, geometry, values = upright.dimensions, upright.geometry, _resampled(values, upright)
+        coarser = ()
         load.note(
             f"The axes of the file are sheared by {shear:.1f} degrees (a tilted gantry, say); "
             "it is resampled onto a rectangular lattice."
@@ -154,28 +201,47 @@ def file_source(
     called = hints.name or name
     try:
         check_dimensions(dimensions, called)
-        spacing = checked_spacing(hints.spacing or geometry.spacing, called)
-        first, second, third = checked_direction(geometry.direction, called).tolist()
-        origin = hints.origin or geometry.origin
-        level = Level(dimensions, spacing, origin, (tuple(first), tuple(second), tuple(third)))
+        levels = [
+            _level(each, own, geometry, hints, called) for each, own in ((dimensions, geometry), *coarser)
+        ]
     except InputError as error:
         raise LoadError(str(error)) from None
     description = Description(
-        (level,),
+        tuple(levels),
         time_count,
         count,
         times=tuple(times) if times is not None and len(times) == time_count else None,
         channels=tuple(channels) if len(channels) == (count or 1) else (),
         is_labels=is_labels,
         labels=tuple(labels),
+        is_colour=is_colour,
         name=called,
         unit=unit if hints.unit is None else hints.unit,
         length_unit=length_unit,
-        content_id=content_id(str(load.path)),
+        content_id=content_id(str(load.path)) if content is None else content,
+        dtype="" if dtype is None else np.dtype(dtype).name,
         statistics=statistics if count is None and time_count is None else None,
         metadata={
             "source": load.source, "format": format, "length_unit": length_unit,
             "notes": tuple(load.notes), **metadata,
         },
     )  # fmt: skip
-    return FileSource(load, description, values)
+    return FileSource(load, description, values, entries)
+
+
+def _level(
+    dimensions: tuple[int, int, int], own: Geometry, finest: Geometry, hints: LoadOptions, called: str
+) -> Level:
+    """A level where the file places it, moved and stretched as the hints move and stretch the finest one."""
+    stretch = np.divide(hints.spacing or finest.spacing, finest.spacing)
+    spacing = checked_spacing((np.asarray(own.spacing) * stretch).tolist(), called)
+    axes = checked_direction(own.direction, called)
+    # in the axes of the lattice, so that the stretch leaves directions as they are
+    away = axes.T @ np.subtract(own.origin, finest.origin)
+    origin = np.asarray(hints.origin or finest.origin) + axes @ (away * stretch)
+    first, second, third = axes.tolist()
+    x, y, z = (float(v) for v in origin)
+    return Level(
+        dimensions, (spacing[0], spacing[1], spacing[2]), (x, y, z),
+        (tuple(first), tuple(second), tuple(third)),
+    )  # fmt: skip

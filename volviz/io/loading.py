@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
 from volviz.io.packed_files import GZIP, is_packed, open_unpacked, unpacked_head
 from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
 from volviz.io.table import READERS
+from volviz.volume_data.references import is_address
+from volviz.volume_data.source import checked_box, checked_number
 
 if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
@@ -36,7 +41,8 @@ def open(  # noqa: A001 - what it does, as `volviz.open`
     Parameters
     ----------
     path : str or path
-        A file, a folder with DICOM slices, or ``"sample:<id>"`` (see `volviz.io.samples`).
+        A file, a folder (of DICOM slices, a Zarr store), ``"sample:<id>"`` (see `volviz.io.samples`), or a URL
+        (``https://``, ``s3://``, ``gs://``): stores are read where they are, other files are downloaded first.
     progress : callable(fraction, text), optional
         Called with a fraction 0..1 while headers are read.
     cancel : callable() -> bool, optional
@@ -64,15 +70,20 @@ def open(  # noqa: A001 - what it does, as `volviz.open`
         from volviz.io.samples import sample_source
 
         return sample_source(LoadRequest(Path(text), given, progress=progress, cancel=cancel))
+    if is_address(text):
+        from volviz.io.addresses import name_in, open_address
+
+        request = LoadRequest(Path(name_in(text)), given, progress=progress, cancel=cancel, address=text)
+        return open_address(request, open_file, suffixes())
     return open_file(LoadRequest(Path(text).expanduser(), given, progress=progress, cancel=cancel))
 
 
 def load(
     path: str | os.PathLike[str],
     *,
-    level: int = 0,
+    level: int | None = None,
     time: int | None = None,
-    channel: int | None = None,
+    channel: int | str | None = None,
     box: Sequence[int] | None = None,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
@@ -85,8 +96,9 @@ def load(
     path, **hints
         As for `open`.
     level, time, channel : int, optional
-        Which part of a larger file, counted from 0; default: the finest level, the first time point, and the
-        first channel or the brightness of colours.
+        Which part of a larger file, counted from 0 (a channel by its name, too); default: the finest level that
+        fits into memory, the first time point, and the first channel or the brightness of colours. A box alone
+        is one of level 0.
     box : sequence of 6 ints, optional
         Voxels (i0, i1, j0, j1, k0, k1) to read, those of i1, j1 and k1 no more.
     progress : callable(fraction, text), optional
@@ -111,7 +123,9 @@ def load(
     Cancelled
     """
     source = open(path, progress=progress, cancel=cancel, **hints)
-    volume = source.read(level, 0 if time is None else time, channel, box, cancel, progress)
+    if level is None:
+        level = source.default_level if box is None else 0
+    volume = source.read(level, time, channel, box, cancel, progress)
     LoadRequest(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
     return volume
 
@@ -126,41 +140,70 @@ def open_file(request: LoadRequest) -> FileSource:
         return open_unpacked(request, reader.open)
 
 
-def info(path: str | os.PathLike[str], **hints: Any) -> dict[str, Any]:
+def info(path: str | os.PathLike[str], *, statistics: bool = False, **hints: Any) -> dict[str, Any]:
     """What a file holds, as plain values that print and go into JSON.
 
-    What `load` gives with these arguments is read completely, since range and damage show only then.
+    Parameters
+    ----------
+    path, **hints
+        As for `load`.
+    statistics : bool, default: False
+        Read the values as well: range, what is not finite, the type that `load` gives and damage among the values
+        show only then. Otherwise headers alone are read.
 
     Returns
     -------
     dict
         "name", "format", "source", "dims" (x, y, z), "dtype", "bytes", "spacing", "origin", "direction"
         (9 values, row by row), "length_unit", "unit", "range", "nonfinite", "notes"; of the whole file "sizes"
-        (axis: size), "channels" (names) and "times" (seconds or None).
+        (axis: size), "channels" (names), "times" (seconds or None), "levels" (each with "dims", "spacing" and
+        "origin"), "labels" (numbers and names) and "series" (what else the file holds, in words).
+        From headers alone "dtype" and "bytes" are those of the values as they are stored, None where unknown, "range"
+        is None unless the header tells it, and "nonfinite" is None.
     """
     chosen = {name: hints.pop(name) for name in PART if hints.get(name) is not None}
     source = open(path, **{name: value for name, value in hints.items() if name not in PART})
-    volume = source.read(**chosen)
-    low, high = volume.range
-    return {
-        "name": volume.name,
-        "format": volume.metadata.get("format", ""),
-        "source": volume.metadata.get("source", ""),
-        "dims": list(volume.dimensions),
-        "dtype": str(volume.array.dtype),
-        "bytes": int(volume.array.nbytes),
-        "spacing": list(volume.spacing),
-        "origin": list(volume.origin),
-        "direction": [float(v) for v in volume.direction.flat],
-        "length_unit": volume.metadata.get("length_unit", ""),
-        "unit": volume.unit,
-        "range": [low, high],
-        "nonfinite": volume.nonfinite_count,
-        "notes": list(volume.metadata.get("notes", ())),
+    if "level" not in chosen and "box" not in chosen:
+        chosen["level"] = source.default_level
+    level = source.levels[checked_number("level", chosen.get("level", 0), len(source.levels), source.name)]
+    if "box" in chosen:
+        level = level.part(checked_box(chosen["box"], level.dimensions, source.name))
+    said = source.description
+    found = {
+        "name": source.name,
+        "format": said.metadata.get("format", ""),
+        "source": said.metadata.get("source", ""),
+        "dims": list(level.dimensions),
+        "dtype": said.dtype or None,
+        "bytes": math.prod(level.dimensions) * np.dtype(said.dtype).itemsize if said.dtype else None,
+        "spacing": list(level.spacing),
+        "origin": list(level.origin),
+        "direction": [float(v) for row in level.direction for v in row],
+        "length_unit": said.length_unit,
+        "unit": source.unit,
+        "range": [said.statistics.minimum, said.statistics.maximum] if said.statistics else None,
+        "nonfinite": None,
+        "notes": list(said.metadata.get("notes", ())),
         "sizes": source.sizes,
         "channels": [channel.name for channel in source.channels] if "c" in source.axes else [],
         "times": None if source.times is None else list(source.times),
+        "levels": [
+            {"dims": list(each.dimensions), "spacing": list(each.spacing), "origin": list(each.origin)}
+            for each in source.levels
+        ],
+        "labels": [[one.number, one.name] for one in source.labels],
+        "series": [each.words for each in source.entries],
     }
+    if statistics:
+        volume = source.read(**chosen)
+        found |= {
+            "dtype": str(volume.array.dtype),
+            "bytes": int(volume.array.nbytes),
+            "range": list(volume.range),
+            "nonfinite": volume.nonfinite_count,
+            "notes": list(volume.metadata.get("notes", ())),
+        }
+    return found
 
 
 def suffixes() -> tuple[str, ...]:
@@ -178,6 +221,10 @@ def _reader_for(request: LoadRequest) -> Reader:
     path = request.path
     if not path.exists():
         raise request.error("there is no such file or folder; check the path.")
+    if not path.is_file() and not path.is_dir():
+        raise request.error(
+            "this is no file but a pipe or a device; save what comes out of it as a file first."
+        )
     head = _head(path)
     if not head and path.is_file():
         raise request.error("the file is empty; get it again.")
@@ -194,11 +241,26 @@ def _reader_for(request: LoadRequest) -> Reader:
     if by_name is not None and path.is_file():
         return by_name
     if path.is_dir():
-        raise request.error(
-            "no DICOM slices and no numbered pictures were found in the folder; choose another one, or a file."
-        )
+        raise request.error(_found_in_folder(path))
     known = ", ".join(reader.name for reader in READERS)
     raise request.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
+
+
+def _found_in_folder(folder: Path) -> str:
+    """What to say of a folder without DICOM slices and numbered pictures."""
+    from volviz.io.dicom.finding import FILES_AT_MOST, has_more_files
+
+    volumes = sorted(p.name for p in folder.iterdir() if p.is_file() and _by_suffix(p) is not None)
+    if volumes:
+        names = ", ".join(volumes[:3]) + (" ..." if len(volumes) > 3 else "")
+        one = "open it" if len(volumes) == 1 else "open one of them"
+        return f"a folder is opened for the DICOM slices or numbered pictures in it; this one holds {names}: {one}."
+    if has_more_files(folder):
+        return (
+            f"no DICOM slices were found among the first {FILES_AT_MOST:,} files of the folder; choose the folder "
+            "in which the slices lie."
+        )
+    return "no DICOM slices and no numbered pictures were found in the folder; choose another one, or a file."
 
 
 def _by_suffix(path: Path) -> Reader | None:

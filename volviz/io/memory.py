@@ -8,13 +8,20 @@ from __future__ import annotations
 
 import contextlib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from volviz.io.reader import LoadRequest
+    from volviz.errors import VolvizError
 
 MEMINFO = Path("/proc/meminfo")
 CGROUP = Path("/sys/fs/cgroup")
+
+
+class Job(Protocol):
+    """What is read or written: it makes an error that names the file."""
+
+    def error(self, what: str) -> VolvizError:
+        """Why it cannot be done."""
 
 
 def free_bytes() -> int | None:
@@ -41,18 +48,19 @@ def free_bytes() -> int | None:
     return max(free, 0)
 
 
-def check_memory(request: LoadRequest, wanted: int) -> None:
+def check_memory(request: Job, wanted: int) -> None:
     """Refuse what does not fit.
 
     Parameters
     ----------
-    request : LoadRequest
+    request : LoadRequest, SaveRequest
     wanted : int
         Bytes of the array that is to be made.
 
     Raises
     ------
-    LoadError
+    VolvizError
+        `LoadError` where something is read.
     """
     free = free_bytes()
     if free is not None and wanted > free:

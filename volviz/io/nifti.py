@@ -19,6 +19,7 @@ import numpy as np
 
 from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS, is_usable
+from volviz.io.long_doubles import doubles_of
 from volviz.io.raw_payload import RawPayload, check_sizes, read_part
 from volviz.io.reader import stem
 from volviz.io.scaling import rescaled
@@ -80,7 +81,10 @@ _SIZES = {348: _NIFTI1, 540: _NIFTI2}
 _TYPES = {
     2: "u1", 4: "i2", 8: "i4", 16: "f4", 64: "f8", 256: "i1", 512: "u2", 768: "u4", 1024: "i8", 1280: "u8",
     32: "c8", 1792: "c16", 128: "u1", 2304: "u1",
+    # long doubles, as bytes
+    1536: "V16",
 }  # fmt: skip
+_LONG_DOUBLE = 1536
 _COLOURS = {128: 3, 2304: 4}
 
 #: Millimetres per unit of length, by the lowest three bits of `xyzt_units`; 0 = not said, taken for mm.
@@ -149,6 +153,9 @@ def open_source(request: LoadRequest) -> FileSource:
 
     def values(request: LoadRequest) -> npt.NDArray[Any]:
         array = read_part(payload, axes, request, colour=True)
+        if code == _LONG_DOUBLE:
+            request.note("Its 128-bit numbers are shown as 64-bit ones; digits beyond the 16th are lost.")
+            array = doubles_of(array, order)
         if array.dtype.kind == "c":
             request.note("Complex values are shown as their magnitude.")
             array = np.abs(array)
@@ -165,6 +172,7 @@ def open_source(request: LoadRequest) -> FileSource:
         request.geometry(_affine(header, request)),
         format="NIfTI",
         name=stem(request.path, SUFFIXES),
+        dtype=np.float64 if code == _LONG_DOUBLE else payload.dtype,
         colour=True,
         channels=[Channel(window=(low, high))] if low < high < np.inf else (),
         times=_times(header, sizes[3]) if rank > 3 else None,

@@ -55,6 +55,7 @@ _ENCODINGS: dict[str, Encoding] = {
 _TO_LPS = {"right-anterior-superior": RAS_TO_LPS, "ras": RAS_TO_LPS}
 _TO_LPS |= dict.fromkeys(("left-anterior-superior", "las"), np.diag([1.0, -1.0, 1.0]))
 _TIME_KINDS = {"time"}
+_SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3}
 _COLOUR_KINDS = {"rgb-color", "rgba-color", "3-color", "4-color"}
 _SPACE_KINDS = {"domain", "space", "???", "none", "time"}
 
@@ -120,6 +121,7 @@ def open_source(request: LoadRequest) -> FileSource:
         ]
         if labels
         else (),
+        times=_times(fields, letters, sizes),
         format="NRRD",
         name=stem(request.path, SUFFIXES),
         unit=_quoted(fields.get("sampleunits", "")),
@@ -280,6 +282,21 @@ def _axes(
     return request.geometry(np.c_[np.diag(steps), np.nan_to_num(starts)]), letters, colour
 
 
+def _times(fields: dict[str, str], letters: str, sizes: list[int]) -> list[float] | None:
+    """Seconds of the time points of a four-dimensional space, whose fourth unit is one of time."""
+    units = re.findall(r'"([^"]*)"', fields.get("spaceunits", ""))
+    if "T" not in letters or len(units) != 4 or units[3] not in _SECONDS:
+        return None
+    at = letters.index("T")
+    columns, origin = _vectors(fields.get("spacedirections", "")), _vectors(fields.get("spaceorigin", ""))
+    column = columns[at] if at < len(columns) else None
+    if column is None or len(column) != 4 or not np.isfinite(column[3]) or column[3] <= 0:
+        return None
+    first = origin[0][3] if origin and origin[0] is not None and len(origin[0]) == 4 else 0.0
+    unit = _SECONDS[units[3]]
+    return [unit * (first + index * column[3]) for index in range(sizes[at])] if np.isfinite(first) else None
+
+
 def _labels(fields: dict[str, str]) -> list[tuple[int, Label]]:
     """Segments that 3D Slicer writes, as ``Segment0_Name:=liver`` and the like, each with the number of its layer."""
     found = []
@@ -306,7 +323,7 @@ def _directions(
     if "spacedirections" not in fields:
         return None
     columns = _vectors(fields["spacedirections"])
-    if len(columns) == 4:
+    if len(columns) > 3:
         # a four-dimensional space: the axis that leads nowhere in its first three dimensions is time
         columns = [None if c is None or not any(c[:3]) else c for c in columns]
     in_space = [c for c in columns if c is not None]

@@ -97,6 +97,7 @@ def open_source(request: LoadRequest) -> FileSource:
         Geometry(),
         format="raw",
         name=stem(request.path, SUFFIXES),
+        dtype=payload.dtype,
     )
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from volviz.io.axes import choose, to_zyx
 from volviz.io.memory import check_memory
+from volviz.io.unpacking import unpacked_at_once
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -33,9 +34,6 @@ BLOCK = 4 << 20
 
 DEFLATE_RATIO = 1032
 """Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes in 2 bits)."""
-
-ONE_SHOT_BYTES = 64 << 20
-"""Compressed data up to this size is unpacked by libdeflate in one call, twice as fast as zlib in blocks."""
 
 
 @dataclass(frozen=True)
@@ -96,8 +94,10 @@ class RawPayload:
         return replace(self, shape=(last - first, *self.shape[1:]), offset=offset + first * size, whole=False)
 
 
-def check_sizes(payload: RawPayload, request: LoadRequest) -> None:
+def check_sizes(payload: RawPayload, request: LoadRequest, *, is_opening: bool = True) -> None:
     """Compare what the header promises with what the files can hold, before any memory is asked for.
+
+    Whether the end of a packed file is there is found out at its opening: reading it shows that anyway.
 
     Raises
     ------
@@ -119,6 +119,8 @@ def check_sizes(payload: RawPayload, request: LoadRequest) -> None:
             there, wanted = size - skip, part
         elif payload.encoding == "gzip":
             there, wanted = size * DEFLATE_RATIO, part + skip
+            if is_opening and there >= wanted and not _ends_as_promised(payload, file, wanted):
+                there = _unpacked_bytes(payload, request, file)
         elif payload.encoding == "hex":
             there, wanted = size // 2, part + skip
         elif payload.encoding == "text":
@@ -135,6 +137,29 @@ def check_sizes(payload: RawPayload, request: LoadRequest) -> None:
             )
 
 
+def _ends_as_promised(payload: RawPayload, file: Path, wanted: int) -> bool:
+    """Whether the end of a gzip file tells of so many bytes, or the stream is of a kind that does not tell."""
+    with file.open("rb") as stream:
+        stream.seek(payload.packed_offset)
+        if stream.read(2) != b"\x1f\x8b":
+            return True
+        stream.seek(-4, os.SEEK_END)
+        told = int.from_bytes(stream.read(4), "little")
+    return told == wanted % 2**32
+
+
+def _unpacked_bytes(payload: RawPayload, request: LoadRequest, file: Path) -> int:
+    """How many bytes a compressed stream really holds; it is gone through for that."""
+    total = 0
+    try:
+        for block, fraction in _unpacked_blocks(file, payload.packed_offset, payload.encoding):
+            total += len(block)
+            request.report(fraction, "checking")
+    except (zlib.error, OSError, EOFError, ValueError):
+        raise request.error(_DAMAGED["gzip"], file) from None
+    return total
+
+
 def _amount(count: int) -> str:
     """A number of bytes in words that stay short, however damaged the header is."""
     return f"{count:,}" if count < 10**15 else "more than 10^15"
@@ -149,7 +174,7 @@ def read_payload(payload: RawPayload, request: LoadRequest) -> npt.NDArray[Any]:
         See `check_sizes`; more values than memory can hold; damaged compressed data.
     Cancelled
     """
-    check_sizes(payload, request)
+    check_sizes(payload, request, is_opening=False)
     check_memory(request, payload.nbytes)
     if payload.encoding == "text":
         return _read_text(payload, request)
@@ -251,24 +276,11 @@ _DAMAGED = {
 
 
 def _unpack_at_once(payload: RawPayload, request: LoadRequest) -> npt.NDArray[Any] | None:
-    """All values by libdeflate, or None when the stream is long or in any way unusual: zlib then decides."""
-    file = payload.files[0]
-    if file.stat().st_size > ONE_SHOT_BYTES or payload.nbytes > 16 * ONE_SHOT_BYTES:
-        return None
-    try:
-        import imagecodecs
-
-        with file.open("rb") as stream:
-            stream.seek(payload.packed_offset)
-            packed = stream.read()
-        # deflate_decode is libdeflate's reader of zlib streams; zlib_decode would be zlib's own
-        decode = imagecodecs.gzip_decode if packed[:2] == b"\x1f\x8b" else imagecodecs.deflate_decode
-        unpacked = np.empty(payload.offset + payload.nbytes, np.uint8)
-        request.report(0.1, "unpacking")
-        result = decode(packed, out=unpacked)
-    except (ImportError, RuntimeError, ValueError):
-        return None
-    if len(result) != len(unpacked):
+    """All values by libdeflate, or None when the stream is in any way unusual: zlib then decides."""
+    unpacked = unpacked_at_once(
+        payload.files[0], payload.packed_offset, payload.offset + payload.nbytes, request
+    )
+    if unpacked is None:
         return None
     values = unpacked[payload.offset :]
     if payload.offset % payload.dtype.itemsize:

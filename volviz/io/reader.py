@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from volviz.errors import Cancelled, InputError, LoadError
 
@@ -17,6 +17,25 @@ if TYPE_CHECKING:
 
 
 SAMPLE_PREFIX = "sample:"
+
+Result_co = TypeVar("Result_co", covariant=True)
+
+#: Seconds between two questions whether the user has cancelled.
+_PATIENCE = 0.05
+
+
+class Future(Protocol[Result_co]):
+    """Work on another thread: one of `concurrent.futures`, or of tensorstore."""
+
+    def result(self, timeout: float | None = None) -> Result_co:
+        """What came of it; a `TimeoutError` while it goes on."""
+
+    def done(self) -> bool:
+        """Whether it has ended."""
+
+    def cancel(self) -> bool:
+        """Give it up."""
+
 
 #: What is chosen when values are read, not when a file is opened.
 PART = ("level", "time", "channel", "box")
@@ -50,6 +69,8 @@ class LoadOptions:
         DICOM: series instance UID or number of the series in the folder, counted from 0.
         TIFF: number of the series in the file.
         VTK: 0 for the arrays at points, 1 for those at cells, in a file that has both.
+        Zarr, HDF5, .npz, .mat: name of the image or array, or its number among them, counted from 0; ``dataset``
+        is another word for it.
     """
 
     dims: tuple[int, int, int] | None = None
@@ -66,6 +87,9 @@ class LoadOptions:
     def from_keywords(cls, keywords: dict[str, Any]) -> LoadOptions:
         """Checked hints; an unknown keyword or a value of the wrong kind raises `InputError`."""
         known = [f.name for f in fields(cls)]
+        if "dataset" in keywords and keywords.get("series") is None:
+            keywords = {**keywords, "series": keywords["dataset"]}
+            del keywords["dataset"]
         for name in keywords:
             if name not in known:
                 if name in PART:
@@ -91,8 +115,10 @@ class LoadRequest:
     Attributes
     ----------
     path : Path
-        File or folder.
+        File or folder; the name alone where there is an address.
     hints : LoadOptions
+    level : int
+        Resolution that is read, 0 is the finest.
     time, channel : int or None
         What is read, counted from 0; None where nobody has chosen.
     box : tuple of 6 ints or None
@@ -103,16 +129,20 @@ class LoadRequest:
         Asked between blocks; True stops the work.
     notes : list of str
         Sentences for the user: what was chosen or changed. They end up in ``Volume.metadata["notes"]``.
+    address : str
+        URL from which the data comes; empty for what lies on this machine.
     """
 
     path: Path
     hints: LoadOptions = field(default_factory=LoadOptions)
+    level: int = 0
     time: int | None = None
     channel: int | None = None
     box: Box | None = None
     progress: Progress | None = None
     cancel: Cancel | None = None
     notes: list[str] = field(default_factory=list)
+    address: str = ""
 
     def report(self, fraction: float, text: str = "reading") -> None:
         """Tell the progress and stop when the user wants to.
@@ -121,10 +151,38 @@ class LoadRequest:
         ------
         Cancelled
         """
-        if self.cancel is not None and self.cancel():
-            raise Cancelled(f"{self.path.name}: loading was cancelled.")
+        self.check_cancelled()
         if self.progress is not None:
             self.progress(min(max(fraction, 0.0), 1.0), text)
+
+    def check_cancelled(self) -> None:
+        """Stop when the user wants to.
+
+        Raises
+        ------
+        Cancelled
+        """
+        if self.cancel is not None and self.cancel():
+            raise Cancelled(f"{self.path.name}: loading was cancelled.")
+
+    def wait(self, future: Future[Result_co]) -> Result_co:
+        """What came of work on another thread; a cancelled job does not wait for it.
+
+        Raises
+        ------
+        Cancelled
+        """
+        while True:
+            try:
+                self.check_cancelled()
+                return future.result(timeout=_PATIENCE)
+            except TimeoutError:
+                # the work itself may have raised one
+                if future.done():
+                    return future.result()
+            except Cancelled:
+                future.cancel()
+                raise
 
     def within_slices(self) -> LoadRequest:
         """The job for an array that holds the slices of the box alone."""
@@ -139,10 +197,15 @@ class LoadRequest:
             self.notes.append(sentence)
 
     @property
+    def is_remote(self) -> bool:
+        """Whether the data lies at the address, and no copy of it on this machine."""
+        return bool(self.address) and not self.path.is_absolute()
+
+    @property
     def source(self) -> str:
-        """What `load` was asked for, so that it can be asked again: an absolute path or ``sample:<id>``."""
-        text = str(self.path)
-        return text if text.startswith(SAMPLE_PREFIX) else str(self.path.absolute())
+        """What `load` was asked for, so that it can be asked again: an absolute path, a URL or ``sample:<id>``."""
+        text = self.address or str(self.path)
+        return text if self.address or text.startswith(SAMPLE_PREFIX) else str(self.path.absolute())
 
     def geometry(self, affine: npt.ArrayLike) -> Geometry:
         """Where the lattice lies, from an affine matrix (index to world, LPS) of shape (3, 4) or (4, 4).

@@ -10,7 +10,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-def rescaled(array: npt.NDArray[Any], slope: float, intercept: float) -> npt.NDArray[Any]:
+def rescaled(
+    array: npt.NDArray[Any], slope: float, intercept: float, *, in_place: bool = False
+) -> npt.NDArray[Any]:
     """Apply slope and intercept in the smallest type that holds the result.
 
     Whole numbers stay whole: int16 values with an intercept of -1024 stay int16 when they fit. Everything
@@ -22,6 +24,8 @@ def rescaled(array: npt.NDArray[Any], slope: float, intercept: float) -> npt.NDA
         Stored values.
     slope, intercept : float
         A slope of 0, or numbers that are not finite, mean "not scaled", as in NIfTI.
+    in_place : bool, default: False
+        The memory of `array` may be taken for the result, where that has values of the same width.
 
     Returns
     -------
@@ -39,10 +43,19 @@ def rescaled(array: npt.NDArray[Any], slope: float, intercept: float) -> npt.NDA
         ]
         for whole in (np.uint8, np.int16, np.uint16, np.int32):
             if np.iinfo(whole).min <= min(ends) and max(ends) <= np.iinfo(whole).max:
-                # int64 in between, slab by slab: stored and final type may both be too narrow for a product
-                result = np.empty(array.shape, whole)
+                reuses = in_place and np.dtype(whole).itemsize == size and array.dtype.isnative
+                result = array.view(whole) if reuses else np.empty(array.shape, whole)
+                # wider in between, slab by slab: stored and final type may both be too narrow for a product
+                largest = max(abs(int(array.min())), abs(int(array.max()))) * abs(int(slope)) + abs(
+                    int(intercept)
+                )
+                between = np.int32 if largest < 2**31 else np.int64
                 for slab, out in zip(array, result, strict=True):
-                    out[...] = slab.astype(np.int64) * int(slope) + int(intercept)
+                    values = slab.astype(between)
+                    if slope != 1:
+                        values *= between(slope)
+                    values += between(intercept)
+                    out[...] = values
                 return result
     real = np.dtype(np.float64 if size > 4 or (kind in "ui" and size == 4) else np.float32)
     values = array.astype(real)

@@ -6,6 +6,7 @@ import math
 import re
 from typing import TYPE_CHECKING, Any
 
+from volviz.io.units import converted, length_unit, seconds_per
 from volviz.volume_data.description import Channel
 
 if TYPE_CHECKING:
@@ -18,23 +19,7 @@ if TYPE_CHECKING:
 
 #: Codes of tag 296 (ResolutionUnit): inch, centimetre, millimetre, micrometre; in micrometres.
 _RESOLUTION_UNITS = {2: 25400.0, 3: 10000.0, 4: 1000.0, 5: 1.0}
-_SAME_UNIT = {
-    **dict.fromkeys(("micron", "microns", "um", "micrometer", "micrometre"), "µm"),
-    **dict.fromkeys(("pixel", "pixels", "reference frame"), ""),
-}
-_MICROMETRES = {
-    "pm": 1e-6,
-    "Å": 1e-4,
-    "nm": 1e-3,
-    "µm": 1.0,
-    "mm": 1e3,
-    "cm": 1e4,
-    "m": 1e6,
-    "in": 25400.0,
-    "inch": 25400.0,
-}
-#: Seconds per unit of time, and nanometres per unit of a wavelength, as OME names them.
-_SECONDS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
+#: Nanometres per unit of a wavelength, as OME names them.
 _NANOMETRES = {"nm": 1.0, "µm": 1e3, "Å": 0.1}
 
 
@@ -78,7 +63,7 @@ def _imagej_spacing(
     if z is None or z == 0:
         request.note("Its distance of slices is no number; that of its columns is taken.")
         return (x or 1.0, y or 1.0, x or 1.0), unit
-    return (x or 1.0, y or 1.0, _converted(abs(z), _unit(info.get("zunit") or unit), unit)), unit
+    return (x or 1.0, y or 1.0, converted(abs(z), _unit(info.get("zunit") or unit), unit)), unit
 
 
 def calibration_of(request: LoadRequest, file: tifffile.TiffFile) -> tuple[float, float, str]:
@@ -107,15 +92,8 @@ def missing_files(request: LoadRequest, file: tifffile.TiffFile) -> list[str]:
 def _unit(text: Any) -> str:
     """A unit of length as it is written here: escapes and both letters mu resolved; empty for pixels."""
     name = re.sub(r"\\u([0-9a-fA-F]{4})", lambda code: chr(int(code[1], 16)), str(text or "")).strip()
-    name = name.replace("\u03bc", "µ").replace("\u212b", "Å")
-    return _SAME_UNIT.get(name.lower(), name)
-
-
-def _converted(length: float, unit: str, into: str) -> float:
-    """A length in another unit; as it is where one of the two is not known."""
-    if unit == into or unit not in _MICROMETRES or into not in _MICROMETRES:
-        return length
-    return length * _MICROMETRES[unit] / _MICROMETRES[into]
+    known = length_unit(name)
+    return name if known is None else known
 
 
 def _per_pixel(tags: Any, name: str) -> float | None:
@@ -194,7 +172,7 @@ def _ome_spacing(request: LoadRequest, pixels: Element) -> tuple[Vector, str] | 
         return None
     units = {axis: _unit(pixels.get(f"PhysicalSize{axis}Unit", "µm")) for axis in sizes}
     unit = units[next(iter(sizes))]
-    lengths = {axis: _converted(size, units[axis], unit) for axis, size in sizes.items()}
+    lengths = {axis: converted(size, units[axis], unit) for axis, size in sizes.items()}
     in_plane = lengths.get("X") or lengths.get("Y") or lengths["Z"]
     if "Z" not in lengths and int(_number(pixels.get("SizeZ")) or 1) > 1:
         request.note("OME does not say how far its slices lie apart; the distance of its columns is taken.")
@@ -221,14 +199,14 @@ def _ome_times(pixels: Element, count: int) -> list[float] | None:
     first: dict[int, float] = {}
     for plane in _children(pixels, "Plane"):
         time = _number(plane.get("DeltaT"))
-        unit = _SECONDS.get(plane.get("DeltaTUnit", "s"))
+        unit = seconds_per(plane.get("DeltaTUnit", "s"))
         at = plane.get("TheT", "")
         if plane.get("TheC") == plane.get("TheZ") == "0" and at.isdigit() and time is not None and unit:
             first[int(at)] = time * unit
     if sorted(first) == list(range(count)):
         return [first[index] for index in range(count)]
     step = _number(pixels.get("TimeIncrement"))
-    unit = _SECONDS.get(pixels.get("TimeIncrementUnit", "s"))
+    unit = seconds_per(pixels.get("TimeIncrementUnit", "s"))
     return [step * unit * index for index in range(count)] if step and unit else None
 
 

@@ -24,14 +24,14 @@ class Triangles(NamedTuple):
     Attributes
     ----------
     vertices : ndarray of shape (V, 3), float32
-        Positions (x, y, z).
+        Positions (x, y, z); float64 where the volume lies too far from the world's origin for 32 bits.
     faces : ndarray of shape (F, 3), integers
         Vertex numbers.
     normals : ndarray of shape (V, 3) or, flat, (F, 3), float32, or None
         Unit vectors (x, y, z) to lower values.
     """
 
-    vertices: npt.NDArray[np.float32]
+    vertices: Array
     faces: Array
     normals: npt.NDArray[np.float32] | None
 

@@ -1,26 +1,32 @@
-"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, always in world coordinates.
+"""Meshes on their way to a file: STL, PLY, OBJ, VTP, glTF, in world coordinates.
 
-A file appears complete or not at all: it is written beside its place under another name and moved there at the
-end, so that a full disk, an error or a cancel leave what was there before.
+STL, PLY and glTF are written with 32-bit floats. A mesh so far from the origin that these would spoil it is moved
+nearer for them, and the caller is told by how much.
 """
 
 from __future__ import annotations
 
-import os
-import secrets
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from volviz import environment
 from volviz.errors import Cancelled, InputError, VolvizError
 
 environment.prepare()
 
+from vtkmodules.util.numpy_support import numpy_to_vtk  # noqa: E402
+from vtkmodules.vtkCommonCore import vtkPoints  # noqa: E402
 from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet  # noqa: E402
 from vtkmodules.vtkIOGeometry import vtkGLTFWriter, vtkOBJWriter, vtkSTLWriter  # noqa: E402
 from vtkmodules.vtkIOPLY import vtkPLYWriter  # noqa: E402
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter  # noqa: E402
+
+from volviz.io.vtk_writing import write_by_vtk  # noqa: E402
+from volviz.new_files import check_target, written_beside  # noqa: E402
 
 if TYPE_CHECKING:
     import pyvista
@@ -36,6 +42,9 @@ FORMAT_NAMES = {
 }
 MESH_FORMATS = tuple(FORMAT_NAMES)
 
+#: Relative rounding of a 32-bit float, and what of it is bearable, as a share of the size of the mesh.
+RELATIVE_ROUNDING, BEARABLE = 2.0**-24, 1e-6
+
 
 def save_mesh(
     mesh: pyvista.PolyData,
@@ -44,7 +53,7 @@ def save_mesh(
     overwrite: bool = True,
     progress: Callable[[float], object] | None = None,
     cancel: Callable[[], bool] | None = None,
-) -> None:
+) -> str:
     """Write a mesh to a file in world coordinates; the ending chooses the format.
 
     Parameters
@@ -60,6 +69,11 @@ def save_mesh(
     cancel : callable, optional
         When it returns True the work ends with `Cancelled` and without a file.
 
+    Returns
+    -------
+    str
+        A sentence for the user where the mesh had to be moved for a format of 32-bit floats; nearly always empty.
+
     Raises
     ------
     InputError
@@ -74,18 +88,14 @@ def save_mesh(
         raise InputError(
             f"{target.name}: the mesh is empty, so nothing was written; choose another isovalue."
         )
-    part = _beside(target)
-    try:
-        _write(mesh, part, progress, cancel)
+    near, note = _near_origin(mesh, target)
+    with written_beside(target) as part:
+        write_by_vtk(_writer(near, part.suffix.lower()), part, progress, cancel)
         if cancel is not None and cancel():
             raise Cancelled(f"Writing {target.name} was cancelled.")
         if not part.stat().st_size:
             raise VolvizError(f"{target}: nothing could be written; check the free space.")
-        part.replace(target)
-    except OSError as error:
-        raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
-    finally:
-        part.unlink(missing_ok=True)
+    return note
 
 
 def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
@@ -103,70 +113,34 @@ def check_mesh_target(path: str | Path, *, overwrite: bool = True) -> Path:
         raise InputError(
             f"{target.name}: a mesh is written as {', '.join(MESH_FORMATS)}; choose one of these endings."
         )
-    if not target.parent.is_dir():
-        raise VolvizError(f"{target}: the folder {target.parent} does not exist; create it first.")
-    if target.is_dir():
-        raise VolvizError(f"{target}: this is a folder; choose the name of a file.")
-    if target.exists():
-        if not overwrite and target.stat().st_size:
-            raise InputError(
-                f"{target}: the file exists already; choose another name, or have it replaced (overwrite=True, "
-                "--overwrite)."
-            )
-        if not os.access(target, os.W_OK):
-            raise VolvizError(f"{target}: the file is protected; choose another name.")
-    if not os.access(target.parent, os.W_OK):
-        raise VolvizError(f"{target}: nothing can be written into this folder; choose another one.")
-    return target
+    return check_target(target, overwrite=overwrite)
 
 
-def _beside(target: Path) -> Path:
-    """A new, empty file in the same folder."""
-    part = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix.lower()}")
-    try:
-        # not tempfile: its files are the user's alone, these get the rights that a new file of the user has
-        part.open("xb").close()
-        if target.exists():
-            part.chmod(target.stat().st_mode & 0o777)
-    except OSError as error:
-        raise VolvizError(f"{target}: the file cannot be written ({error.strerror}).") from None
-    return part
-
-
-def _write(
-    mesh: pyvista.PolyData,
-    path: Path,
-    progress: Callable[[float], object] | None,
-    cancel: Callable[[], bool] | None,
-) -> None:
-    writer = _writer(mesh, path.suffix)
-    # as bytes: a name on Linux need not be text
-    writer.SetFileName(os.fsencode(path))
-    furthest = 0.0
-    errors: list[Exception] = []
-
-    def report(_writer: Any, _event: str) -> None:
-        nonlocal furthest
-        try:
-            # some writers tell the end of each part as the end of all
-            if progress is not None and furthest < writer.GetProgress() < 1.0:
-                furthest = writer.GetProgress()
-                progress(furthest)
-            if cancel is not None and cancel():
-                writer.SetAbortExecute(True)
-        except Exception as error:  # noqa: BLE001 - VTK would print and swallow it
-            errors.append(error)
-            writer.SetAbortExecute(True)
-
-    observer = writer.AddObserver("ProgressEvent", report)
-    try:
-        writer.Write()
-    finally:
-        writer.RemoveObserver(observer)
-    if errors:
-        raise errors[0]
-    if progress is not None:
-        progress(1.0)
+def _near_origin(mesh: pyvista.PolyData, target: Path) -> tuple[pyvista.PolyData, str]:
+    """The mesh as the format can hold it, and what to tell: moved where 32-bit floats would spoil it."""
+    if target.suffix.lower() in (".obj", ".vtp"):
+        return mesh, ""
+    points = np.asarray(mesh.points)
+    extent = float(np.ptp(points, axis=0).max())
+    if (
+        points.dtype != np.float64
+        or extent == 0.0
+        or np.abs(points).max() * RELATIVE_ROUNDING <= BEARABLE * extent
+    ):
+        return mesh, ""
+    # by round numbers, which people can type
+    unit = 10.0 ** math.ceil(math.log10(extent))
+    shift = np.floor(points.min(axis=0) / unit) * unit
+    near = mesh.copy(deep=False)
+    # not by the property, which writes into the points that both share
+    moved = vtkPoints()
+    moved.SetData(numpy_to_vtk((points - shift).astype(np.float32), deep=True))
+    near.SetPoints(moved)
+    numbers = ", ".join(f"{v:.15g}" for v in shift)
+    return near, (
+        f"{target.name}: the format holds 32-bit floats, too coarse for positions so far from the origin; the mesh was "
+        f"moved by the negative of ({numbers}). As .obj or .vtp it keeps its place."
+    )
 
 
 def _writer(mesh: pyvista.PolyData, ending: str) -> Any:

@@ -38,12 +38,12 @@ def filter_triangles(
     decimation: float = 0.0,
     progress: Callable[[float], object] | None = None,
     cancel: Callable[[], bool] | None = None,
-) -> tuple[npt.NDArray[np.float32], Array, npt.NDArray[np.float32]]:
+) -> tuple[Array, Array, npt.NDArray[np.float32]]:
     """Smooth, then decimate a mesh, and compute its normals from the triangles that come out.
 
     Parameters
     ----------
-    vertices : ndarray of shape (V, 3), float32
+    vertices : ndarray of shape (V, 3), float32 or float64
         Positions (x, y, z) in units in which lengths can be compared: in the world, not in voxels.
     faces : ndarray of shape (F, 3), integers
         Vertex numbers.
@@ -59,7 +59,7 @@ def filter_triangles(
 
     Returns
     -------
-    vertices : ndarray of shape (V', 3), float32
+    vertices : ndarray of shape (V', 3), of the same type
     faces : ndarray of shape (F', 3), int64
     normals : ndarray of shape (V', 3), float32
         Unit vectors by the right-hand rule, weighted over the triangles of a vertex as VTK does.
@@ -70,7 +70,7 @@ def filter_triangles(
         `cancel` returned True.
     """
     if not len(faces):
-        return np.asarray(vertices, np.float32), faces, np.zeros(vertices.shape, np.float32)
+        return vertices, faces, np.zeros(vertices.shape, np.float32)
     steps: list[tuple[Any, float]] = []
     if smoothing:
         sinc = vtkWindowedSincPolyDataFilter()
@@ -103,7 +103,7 @@ def filter_triangles(
         mesh = changed if changed.GetNumberOfCells() else mesh
         done += share
     return (
-        (vtk_to_numpy(mesh.GetPoints().GetData()) + middle).astype(np.float32),
+        (vtk_to_numpy(mesh.GetPoints().GetData()) + middle).astype(vertices.dtype),
         np.asarray(vtk_to_numpy(mesh.GetPolys().GetConnectivityArray())).reshape(-1, 3),
         np.asarray(vtk_to_numpy(mesh.GetPointData().GetNormals()), np.float32),
     )

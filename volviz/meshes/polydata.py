@@ -70,8 +70,9 @@ def extract_isosurface(
     -------
     pyvista.PolyData
         Triangles with outward orientation, normals as active point normals (cell normals when flat), and the
-        isovalue as field data. ``points`` of shape (V, 3), float32, are world positions (x, y, z) in the volume's
-        unit of length. Smoothing and decimation compute normals anew from the triangles.
+        isovalue as field data. ``points`` of shape (V, 3), float32 (float64 far from the origin), are world
+        positions (x, y, z) in the volume's unit of length. Smoothing and decimation compute normals anew from the
+        triangles.
 
     Raises
     ------

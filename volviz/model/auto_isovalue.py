@@ -49,7 +49,7 @@ def auto_isovalue(volume: Volume) -> float:
 def _otsu_by_gradient(volume: Volume) -> float:
     look = FirstLook.at(volume)
     if look is None:
-        return volume.range[0]
+        return volume.data_range[0]
     weights = look.gradient.ravel()
     counts, edges = even_histogram(look.values.ravel(), BINS, look.low, look.high, weights)
     mass = np.cumsum(counts)[:-1]

@@ -64,10 +64,13 @@ def channel_function(
     color : tuple of 3 floats
         Red, green, blue (0..1).
     window : tuple of 2 floats, optional
-        Values at which it begins to be seen and is fully seen; without one, from above the background of the data
-        to their brightest thousandth.
+        Values that a flat picture shows as black and as full. A volume is seen from above its background on, or noise
+        would become a veil; without a window, to its brightest thousandth.
     """
-    low, high = channel_window(volume) if window is None else window
+    low, high = channel_window(volume)
+    if window is not None:
+        high = window[1]
+        low = max(low, window[0]) if max(low, window[0]) < high else window[0]
     return TransferFunction.from_points([(low, (*color, 0.0)), (high, (*color, FULL_OPACITY))])
 
 

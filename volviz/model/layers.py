@@ -137,6 +137,8 @@ class LabelLayer:
         Labels that are not shown.
     smooth : bool
         Surfaces pass where the interpolated indicator of a label is one half, instead of along voxels.
+    mode : {"add", "mask"}
+        Its surfaces are seen, or the image layers are seen only within the labels that are not hidden.
     name, visible, channel, time, opacity, transform
         As in `ImageLayer`.
 
@@ -157,6 +159,7 @@ class LabelLayer:
     time: int
     opacity: float
     transform: Transform | None
+    mode: Literal["add", "mask"]
 
     def __init__(
         self,
@@ -166,6 +169,7 @@ class LabelLayer:
         hidden: Iterable[int] = (),
         *,
         smooth: bool = True,
+        mode: Literal["add", "mask"] = "add",
         name: str = "",
         opacity: float = 1.0,
         channel: int | None = None,
@@ -173,9 +177,12 @@ class LabelLayer:
         transform: npt.ArrayLike | None = None,
         visible: bool = True,
     ) -> None:
+        if mode not in ("add", "mask"):
+            raise InputError(f"mode of a layer of labels must be add or mask, got {mode!r}.")
         _set(
             self,
             **_shared(volume, name, visible, channel, time, opacity, transform),
+            mode=mode,
             colors=tuple(
                 (label, checked_color(color, f"colour of label {label}"))
                 for label, color in _by_label("colors", colors)
@@ -217,7 +224,7 @@ def volume_of(layer: Layer, volumes: Mapping[VolumeKey, Volume] = _NOTHING_READ)
     """
     volume = layer.volume
     if isinstance(volume, VolumeSource):
-        return volume.read(time=layer.time, channel=layer.channel)
+        return volume.read(volume.default_level, time=layer.time, channel=layer.channel)
     if isinstance(volume, Volume):
         if layer.time or layer.channel:
             raise InputError(

@@ -79,6 +79,8 @@ class Scene:
         World point that slices go through and that cross-hairs mark; None is the middle of the volume.
     layout : {"grid", "large"}
         Views of equal size, or the first one large beside the others.
+    active_layer : int
+        Number of the layer that panels act on, where it is an image layer (see `layer`).
     """
 
     layers: tuple[ImageLayer | LabelLayer, ...] = ()
@@ -90,11 +92,20 @@ class Scene:
     comparison: Comparison = Comparison()
     cursor: Vector | None = None
     layout: Layout = "grid"
+    active_layer: int = 0
 
     @property
     def layer(self) -> ImageLayer | None:
-        """The first image layer, the one that single-volume techniques draw."""
-        return next((layer for layer in self.layers if isinstance(layer, ImageLayer)), None)
+        """The image layer that panels act on and that techniques for one volume draw; None without any."""
+        at = self.layer_index
+        layer = None if at is None else self.layers[at]
+        return layer if isinstance(layer, ImageLayer) else None
+
+    @property
+    def layer_index(self) -> int | None:
+        """Its number: that of the active layer, or of the first image layer where that is none."""
+        images = [n for n, layer in enumerate(self.layers) if isinstance(layer, ImageLayer)]
+        return self.active_layer if self.active_layer in images else next(iter(images), None)
 
     @property
     def view(self) -> SceneView:
@@ -123,15 +134,19 @@ class Scene:
         return pair if pair is not None and overlaid else tuple(range(len(self.views)))
 
     def with_layer(self, **changes: Any) -> Scene:
-        """The scene with the first image layer changed; without one, as it is.
+        """The scene with its `layer` changed; without one, as it is.
 
         A transfer function takes the place of a colour and window.
         """
-        first = self.layer
+        at = self.layer_index
         if changes.get("transfer_function") is not None:
             changes = {"color": None, "window": None, **changes}
-        changed = tuple(replace(each, **changes) if each is first else each for each in self.layers)
+        changed = tuple(replace(each, **changes) if n == at else each for n, each in enumerate(self.layers))
         return replace(self, layers=changed)
+
+    def with_active_layer(self, number: int) -> Scene:
+        """The scene whose panels act on another layer."""
+        return replace(self, active_layer=number)
 
     def with_view(self, index: int | None = None, /, **changes: Any) -> Scene:
         """The scene with one view changed, the active one unless another is named."""

@@ -211,7 +211,9 @@ class Store:
         A scene that shows another volume keeps its own cameras.
         """
         present = self._scene
-        scene = replace(scene, comparison=present.comparison, active=present.active)
+        scene = replace(
+            scene, comparison=present.comparison, active=present.active, active_layer=present.active_layer
+        )
         scene = replace(scene, active=scene.active_index)
         if [a.volume for a in scene.layers] != [a.volume for a in present.layers]:
             return scene

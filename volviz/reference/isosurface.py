@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from volviz.errors import InputError
 from volviz.kernels.compiled import compiled
+from volviz.kernels.outliers import bulk_range, no_data_of
 from volviz.kernels.statistics import finite_range
 from volviz.kernels.threads import map_ranges
 from volviz.reference.rays import Plane, Rays, index_to_world_matrix, volume_rays
@@ -143,6 +144,7 @@ def reference_isosurface(
     surfaces = Surfaces(levels, looks, strengths, int(bisections))
     matrix = index_to_world_matrix(spacing, origin, direction)
     low, high, _ = finite_range(array)
+    low, high = bulk_range(array, low, high, no_data_of(array).values)
     field = make_field(
         array,
         matrix,

@@ -8,6 +8,10 @@ itself at half its extinction is one layer.
 
 A ray is cut into segments from where it enters the first layer to where it leaves the last. Each layer has the
 part of a segment that lies in its box. Colours are lit by the gradient of their own layer before the mean is taken.
+
+Label layers are surfaces in that matter: where the ray crosses from one label to another within a segment, the part of
+its matter before the border is blended first, then the surface, then the rest. The surface is that of the label which
+the ray enters or, where that is not shown, of the one that it leaves.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from scipy.ndimage import map_coordinates
 
 from volviz.errors import InputError
 from volviz.reference.image import MODES
+from volviz.reference.labels import ReferenceLabels, first_border
 from volviz.reference.rays import (
     Plane,
     box_interval,
@@ -119,7 +124,8 @@ class ReferenceLayer:
         at = np.linspace(first, last, len(self.table))
         rgba = np.stack([np.interp(values, at, self.table[:, c]) for c in range(4)], axis=1)
         low, high = self.value_range
-        rgba[values < low + density_threshold * (high - low), 3] = 0.0
+        if density_threshold > 0:
+            rgba[values < low + density_threshold * (high - low), 3] = 0.0
         return rgba
 
 
@@ -138,6 +144,8 @@ class Sampling:
         Values below this fraction of a layer's range contribute nothing.
     shading : Shading or None
         Lighting; None leaves colours as they are classified. Its own `gradient_delta` is not read.
+    surface_shading : Shading or None
+        Lighting of the surfaces of labels; None is that of `Shading` by itself.
     """
 
     interpolation: str = "linear"
@@ -145,10 +153,11 @@ class Sampling:
     gradient_opacity: float = 0.0
     density_threshold: float = 0.0
     shading: Shading | None = None
+    surface_shading: Shading | None = None
 
 
 def reference_layers(
-    layers: Sequence[ReferenceLayer],
+    layers: Sequence[ReferenceLayer | ReferenceLabels],
     *,
     view: npt.ArrayLike,
     projection: npt.ArrayLike,
@@ -165,8 +174,8 @@ def reference_layers(
 
     Parameters
     ----------
-    layers : sequence of ReferenceLayer
-        In any order.
+    layers : sequence of ReferenceLayer or ReferenceLabels
+        In any order. Labels are drawn by the mode "composite" only; as masks they count in every mode.
     view, projection, size, step_world, first_sample, attenuation, early_termination, clip_planes
         As in `volviz.reference.image.reference_render`.
     mode : {"composite", "maximum", "minimum", "average", "additive", "attenuated_maximum"}
@@ -186,8 +195,9 @@ def reference_layers(
     InputError
         No layer whose matter is added, or an impossible step or mode.
     """
-    added = [layer for layer in layers if layer.mode == "add"]
-    if not added:
+    added = [layer for layer in layers if isinstance(layer, ReferenceLayer) and layer.mode == "add"]
+    surfaces = [layer for layer in layers if isinstance(layer, ReferenceLabels) and layer.mode == "add"]
+    if not added and not (surfaces and mode == "composite"):
         raise InputError("no layer is added: masks alone show nothing.")
     if mode not in MODES:
         raise InputError(f"mode must be one of {', '.join(MODES)}, got {mode!r}.")
@@ -195,7 +205,7 @@ def reference_layers(
         raise InputError("step_world must be above 0 and first_sample between 0 and 1.")
     march = _March(layers, view, projection, size, clip_planes, sampling or Sampling())
     if mode == "composite":
-        image = _composited(march, added, step_world, first_sample, early_termination)
+        image = _composited(march, added, surfaces, step_world, first_sample, early_termination)
     elif mode == "additive":
         image = _added_up(march, added, step_world, first_sample)
     else:
@@ -209,7 +219,7 @@ class _March:
 
     def __init__(
         self,
-        layers: Sequence[ReferenceLayer],
+        layers: Sequence[ReferenceLayer | ReferenceLabels],
         view: npt.ArrayLike,
         projection: npt.ArrayLike,
         size: tuple[int, int],
@@ -247,16 +257,26 @@ class _March:
             yield rays, begin, piece, begin + first_sample * piece
 
     def share(
-        self, layer: ReferenceLayer, rays: Any, begin: Float64Array, piece: Float64Array
+        self, layer: ReferenceLayer | ReferenceLabels, rays: Any, begin: Float64Array, piece: Float64Array
     ) -> Float64Array:
         """The part of segments that lies in the box of a layer, 0..1."""
         low, high = self._spans[id(layer)]
         inside = np.minimum(begin + piece, high[rays]) - np.maximum(begin, low[rays])
         return np.asarray(np.clip(inside / piece, 0.0, 1.0))
 
+    def points(self, rays: Any, at: Float64Array) -> Float64Array:
+        """World points at lengths along rays, shape (n, 3)."""
+        return np.asarray(self.starts[rays] + at[:, None] * self.directions[rays])
+
+    def labels(self, layer: ReferenceLabels, rays: Any, at: Float64Array) -> npt.NDArray[np.int64]:
+        """Labels at lengths along rays; outside of the layer's box the first one, which is nothing."""
+        low, high = self._spans[id(layer)]
+        found = layer.at(layer.index_of(self.points(rays, at)))
+        return np.where((at >= low[rays]) & (at <= high[rays]), found, 0)
+
     def values(self, layer: ReferenceLayer, rays: Any, at: Float64Array) -> tuple[Float64Array, Float64Array]:
         """Continuous indices and values of a layer at lengths along rays."""
-        p = self.starts[rays] + at[:, None] * self.directions[rays]
+        p = self.points(rays, at)
         index = p @ layer.to_index[:3, :3].T + layer.to_index[:3, 3]
         return index, layer.sample(index, self.sampling.interpolation)
 
@@ -276,9 +296,24 @@ class _March:
             steep = np.minimum(np.linalg.norm(gradient, axis=1) / ((high - low) / (4 * spacing)), 1.0)
             rgba[:, 3] *= 1.0 - s.gradient_opacity + s.gradient_opacity * steep
         if s.shading is not None:
-            p = self.starts[rays] + at[:, None] * self.directions[rays]
+            p = self.points(rays, at)
             rgba[:, :3] = lit(rgba[:, :3], gradient, p, self.directions[rays], s.shading)
         return rgba
+
+    def border(
+        self,
+        layer: ReferenceLabels,
+        rays: Any,
+        begin: Float64Array,
+        end: Float64Array,
+        before: npt.NDArray[np.int64],
+        after: npt.NDArray[np.int64],
+    ) -> tuple[Float64Array, npt.NDArray[np.int64]]:
+        """Where rays cross a border, and whose surface is seen there (`first_border`)."""
+        low, high = self._spans[id(layer)]
+        # nothing is beyond the faces of the box, which are borders of what touches them
+        begin, end = np.maximum(begin, low[rays]), np.minimum(end, high[rays])
+        return first_border(layer, self.starts[rays], self.directions[rays], begin, end, before, after)
 
     def factor(
         self, modes: Sequence[str], rays: Any, begin: Float64Array, piece: Float64Array, at: Float64Array
@@ -286,6 +321,10 @@ class _March:
         """What layers of these modes leave of the extinction of the others, 0..1."""
         left = np.ones(len(rays))
         for mask in (layer for layer in self.masks if layer.mode in modes):
+            if isinstance(mask, ReferenceLabels):
+                labels = mask.at(mask.index_of(self.points(rays, at)))
+                left *= mask.is_shown(labels) * self.share(mask, rays, begin, piece)
+                continue
             opacity = self.colors(mask, rays, at)[:, 3]
             if mask.mode == "mask":
                 opacity = np.where(opacity >= 0.5, 1.0, 0.0)
@@ -331,21 +370,79 @@ def lit(
 def _composited(
     march: _March,
     added: Sequence[ReferenceLayer],
+    surfaces: Sequence[ReferenceLabels],
     step: float,
     first_sample: float,
     early_termination: float,
 ) -> Float64Array:
-    image = np.zeros((len(march.starts), 4))
-    for rays, begin, piece, at in march.segments(step, first_sample):
+    count = len(march.starts)
+    image = np.zeros((count, 4))
+    hits = np.flatnonzero(march.far > march.near)
+    before = [np.zeros(count, np.int64) for _ in surfaces]
+    for layer, known in zip(surfaces, before, strict=True):
+        # a label that is cut has a face where the ray begins
+        known[hits] = march.labels(layer, hits, march.near[hits])
+        face = layer.palette[known[hits]]
+        _blend(image, hits, face[:, 3], face[:, :3])
+    for segment in march.segments(step, first_sample):
+        goes_on = image[segment[0], 3] < early_termination
+        rays, begin, piece, at = (part[goes_on] for part in segment)
         depth, emitted = march.matter(added, rays, begin, piece, at)
-        alpha = -np.expm1(-depth)
         color = emitted / np.where(depth > 0, depth, 1.0)[:, None]
-        rest = 1.0 - image[rays, 3]
-        if early_termination < 1.0:
-            rest = np.where(image[rays, 3] >= early_termination, 0.0, rest)
-        image[rays, :3] += (rest * alpha)[:, None] * color
-        image[rays, 3] += rest * alpha
+        crossed = [
+            _border(march, layer, known, rays, begin, piece)
+            for layer, known in zip(surfaces, before, strict=True)
+        ]
+        passed = np.zeros(len(rays))
+        if crossed:
+            places = np.stack([place for place, _ in crossed])
+            for nearest in np.argsort(places, axis=0, kind="stable"):
+                place = np.take_along_axis(places, nearest[None], axis=0)[0]
+                surface = np.stack([each for _, each in crossed])[nearest, np.arange(len(rays))]
+                met = np.isfinite(place)
+                reached = np.where(met, (place - begin) / piece, passed)
+                _blend(image, rays, -np.expm1(-depth * (reached - passed)), color)
+                _blend(image, rays, surface[:, 3], surface[:, :3])
+                passed = reached
+        _blend(image, rays, -np.expm1(-depth * (1.0 - passed)), color)
     return image
+
+
+def _blend(image: Float64Array, rays: Any, alpha: Float64Array, color: Float64Array) -> None:
+    """Put straight colours behind what rays have gathered."""
+    rest = (1.0 - image[rays, 3]) * alpha
+    image[rays, :3] += rest[:, None] * color
+    image[rays, 3] += rest
+
+
+def _border(
+    march: _March,
+    layer: ReferenceLabels,
+    known: npt.NDArray[np.int64],
+    rays: Any,
+    begin: Float64Array,
+    piece: Float64Array,
+) -> tuple[Float64Array, Float64Array]:
+    """Where rays cross a visible border within a segment, inf where not, and the surface there, straight RGBA (n, 4).
+
+    `known` holds the label of each ray at the segment's beginning and is brought to its end.
+    """
+    end = begin + piece
+    place, surface = np.full(len(rays), np.inf), np.zeros((len(rays), 4))
+    after = march.labels(layer, rays, end)
+    before = known[rays]
+    met = np.flatnonzero((after != before) & (layer.is_shown(after) | layer.is_shown(before)))
+    known[rays] = after
+    if len(met):
+        there = rays[met]
+        at, owner = march.border(layer, there, begin[met], end[met], before[met], after[met])
+        place[met] = at
+        surface[met] = layer.palette[owner]
+        p = march.points(there, at)
+        shading = march.sampling.surface_shading or Shading()
+        gradient = layer.gradient(layer.index_of(p), owner)
+        surface[met, :3] = lit(surface[met, :3], gradient, p, march.directions[there], shading)
+    return place, surface
 
 
 def _added_up(
@@ -367,7 +464,8 @@ def _of_scalar(
     seen, result, depth = np.zeros(count), np.zeros(count), np.zeros(count)
     low, high = layer.value_range
     span = high - low
-    lowest = low + march.sampling.density_threshold * span
+    threshold = march.sampling.density_threshold
+    lowest = low + threshold * span if threshold > 0 else -np.inf
     for there, begin, piece, at in march.segments(step, first_sample):
         length = piece * march.share(layer, there, begin, piece)
         _, values = march.values(layer, there, at)

@@ -101,7 +101,7 @@ class ArraySource(VolumeSource):
             )
         )
 
-    def statistics(self, time: int = 0, channel: int | None = None) -> Statistics | None:
+    def statistics(self, time: int = 0, channel: int | str | None = None) -> Statistics | None:
         """Range of the values; it is counted once for each channel and time point that is in use."""
         return Statistics(*self.read(0, time, channel).range)
 

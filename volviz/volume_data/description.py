@@ -122,12 +122,16 @@ class Description:
     is_labels : bool
         The values are numbers that stand for something (see `labels`), between which nothing lies.
     labels : tuple of Label
+    is_colour : bool
+        The channels are red, green, blue (and alpha) of colours.
     name : str
         What to call the data set.
     unit, length_unit : str
         Unit of the values, and of spacing and origin ("mm", "µm"); empty when unknown.
     content_id : str
         Changes when the file changes.
+    dtype : str
+        Type of the stored values, "uint16" say; empty when it is not known before they are read.
     statistics : Statistics or None
         Of data without time points and channels, where the file says it.
     metadata : mapping
@@ -141,10 +145,12 @@ class Description:
     channels: tuple[Channel, ...] = ()
     is_labels: bool = False
     labels: tuple[Label, ...] = ()
+    is_colour: bool = False
     name: str = "volume"
     unit: str = ""
     length_unit: str = ""
     content_id: str = ""
+    dtype: str = ""
     statistics: Statistics | None = None
     metadata: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 

@@ -6,6 +6,13 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from pathlib import Path
 
+_SCHEMES = ("http://", "https://", "s3://", "gs://", "file://")
+
+
+def is_address(source: str) -> bool:
+    """Whether a source is a URL."""
+    return source.lower().startswith(_SCHEMES)
+
 
 @dataclass(frozen=True)
 class VolumeRef:
@@ -14,7 +21,7 @@ class VolumeRef:
     Attributes
     ----------
     source : str
-        Path of a file or folder, ``sample:<name>``, or ``array:<number>`` for one handed over by a program.
+        Path of a file or folder, a URL, ``sample:<name>``, or ``array:<number>`` for one handed over by a program.
     hints : tuple of (name, value)
         How to read it (raw dimensions, series); time point and channel belong to the layer that shows
         it. Sorted by name.

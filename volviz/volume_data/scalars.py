@@ -1,8 +1,8 @@
 """Scalars of a volume as texels: format, mapping to fractions of the range, reduced levels; NumPy only.
 
-Shaders see scalars as fractions 0..1 of the data range. Eight-bit textures are used only where the GPU
-filters them precisely (`volviz.custom_gl.gpu.context.Gpu.filters_bytes_precisely`): software rasterisers
-filter them to 8 bits, which ruins gradients and isosurfaces.
+Shaders see scalars as fractions of `Volume.bulk_range`, 0..1 unless there are outliers. Eight-bit textures are used
+only where the GPU filters them precisely (`volviz.custom_gl.gpu.context.Gpu.filters_bytes_precisely`): software
+rasterisers filter them to 8 bits, which ruins gradients and isosurfaces.
 """
 
 from __future__ import annotations
@@ -24,6 +24,9 @@ Format = Literal["u1", "u2", "f4"]
 
 BRICK = 8
 
+#: Largest fraction of the range that an outlier has as a texel: differences of two stay within 32-bit floats.
+FARTHEST = 1e30
+
 #: Levels of detail beside the full one, and the shortest edge in texels that a level may have.
 COARSE_LEVELS = 3
 MIN_LEVEL_EDGE = 8
@@ -38,7 +41,7 @@ class TextureData:
     data : ndarray of shape (Z, Y, X), uint8, uint16 or float32
         Texels, C-contiguous.
     scale, offset : float
-        Fraction of the data range = texel (normalised to 0..1 for integers) x scale + offset.
+        Fraction of the bulk's range = texel (normalised to 0..1 for integers) x scale + offset.
     factor : tuple of 3 ints
         Voxels per texel along (x, y, z); above 1 when the volume did not fit.
     """
@@ -127,17 +130,19 @@ def known_gradient_bricks(volume: Volume) -> Bricks | None:
         return _gradients.get(volume)
 
 
-def choose_format(dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool) -> Format:
+def choose_format(
+    dtype: np.dtype[Any], voxels: int, *, precise_bytes: bool, software: bool, interpolates: bool = False
+) -> Format:
     """Texel format for scalars of a type.
 
-    Software rasterisers filter float32 fastest, as long as memory allows it; graphics cards get the smallest
-    format that loses nothing.
+    Graphics cards get the smallest format that loses nothing, and so do shaders that interpolate by themselves.
+    Software rasterisers filter float32 fastest, as long as memory allows it.
     """
     if dtype.kind == "f" or dtype.itemsize > 2:
         return "f4"
-    if software and voxels <= 2**28:
+    if software and not interpolates and voxels <= 2**28:
         return "f4"
-    if dtype == np.uint8 and precise_bytes:
+    if dtype == np.uint8 and (precise_bytes or interpolates):
         return "u1"
     return "u2"
 
@@ -238,11 +243,14 @@ def reduction(shape: tuple[int, ...], kind: Format, max_edge: int, max_bytes: in
 
 
 def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> TextureData:
-    low, high = volume.range
+    low, high = volume.bulk_range
     span = high - low if high > low else 1.0
-    array, lowest = volume.array, low
+    # what is not finite counts as the lowest value
+    array, lowest, missing = volume.array, low, (volume.range[0] - low) / span
     if factor != (1, 1, 1):
-        array, lowest = _block_means(array, factor, low), 0.0
+        array, lowest = _block_means(array, factor, low, volume.range[0]), 0.0
+    # what lies beyond the range of the bulk may lie very far
+    farthest = max(high - volume.range[0], volume.range[1] - low) / span
     out = np.empty(array.shape, {"u1": np.uint8, "u2": np.uint16, "f4": np.float32}[kind])
     # bytes are spread over all of 0..65535 by 257, without rounding
     spread = 257 if kind == "u2" and volume.array.dtype == np.uint8 else 1
@@ -250,7 +258,7 @@ def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> 
     # the lowest value becomes 0 exactly: below it nothing may be lost to rounding
     wide = array.dtype.itemsize > 4 or (array.dtype.kind in "iu" and array.dtype.itemsize == 4)
     # nor may the range be larger or smaller than 32-bit floats are
-    wide = wide or not 1e-30 < span < 1e38
+    wide = wide or not 1e-30 < span < 1e38 or not farthest * max(span, 1.0) < 1e38
 
     def fill(start: int, stop: int) -> None:
         for z in range(start, stop):
@@ -258,7 +266,9 @@ def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> 
             if kind == "f4":
                 above /= span
                 if array.dtype.kind == "f":
-                    above[~np.isfinite(array[z])] = 0.0
+                    above[~np.isfinite(array[z])] = missing
+                if not farthest < FARTHEST:
+                    np.clip(above, -FARTHEST, FARTHEST, out=above)
                 out[z] = above
             else:
                 out[z] = np.rint(above * spread)
@@ -268,9 +278,12 @@ def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> 
 
 
 def _block_means(
-    array: npt.NDArray[Any], factor: tuple[int, int, int], lowest: float
+    array: npt.NDArray[Any], factor: tuple[int, int, int], lowest: float, missing: float
 ) -> npt.NDArray[np.float32]:
-    """Means over blocks of voxels, above `lowest`; a last, partial block is filled by repeating the edge."""
+    """Means over blocks of voxels, above `lowest`, with `missing` for what is not finite.
+
+    A last, partial block is filled by repeating the edge.
+    """
     fx, fy, fz = factor
     z, y, x = array.shape
     shape = (-(-z // fz), -(-y // fy), -(-x // fx))
@@ -279,7 +292,7 @@ def _block_means(
     for k in range(shape[0]):
         block = array[np.minimum(np.arange(k * fz, (k + 1) * fz), z - 1)].astype(np.float64)
         if array.dtype.kind == "f":
-            block[~np.isfinite(block)] = lowest
+            block[~np.isfinite(block)] = missing
         block -= lowest
         block = np.pad(block, pad, mode="edge")
         out[k] = block.reshape(fz, shape[1], fy, shape[2], fx).mean(axis=(0, 2, 4))

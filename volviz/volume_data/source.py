@@ -33,6 +33,8 @@ class ReadRequest:
     box: Box | None = None
     cancel: Cancel | None = None
     progress: Progress | None = None
+    #: Whether anybody has asked for this time point.
+    time_chosen: bool = False
 
 
 class VolumeSource(ABC):
@@ -92,6 +94,16 @@ class VolumeSource(ABC):
         return self.description.levels
 
     @property
+    def entries(self) -> Sequence[Any]:
+        """Images or arrays of the same file (`volviz.io.entries.Entry`); empty where this one is alone."""
+        return ()
+
+    @property
+    def default_level(self) -> int:
+        """Number of the level to show when nobody has chosen one: the finest, unless it is too large."""
+        return 0
+
+    @property
     def times(self) -> tuple[float, ...] | None:
         """Seconds of the time points, None when they are not known."""
         return self.description.times
@@ -113,6 +125,16 @@ class VolumeSource(ABC):
         return self.description.labels
 
     @property
+    def is_colour(self) -> bool:
+        """Whether the channels are red, green, blue (and alpha) of colours."""
+        return self.description.is_colour
+
+    @property
+    def length_unit(self) -> str:
+        """Unit of spacing and origin ("mm", "µm"); empty when unknown."""
+        return self.description.length_unit
+
+    @property
     def content_id(self) -> str:
         """Changes when the data changes; part of the keys of caches."""
         return self.description.content_id
@@ -122,7 +144,7 @@ class VolumeSource(ABC):
         """What else the reader tells: ``"source"``, ``"format"``, ``"notes"``."""
         return self.description.metadata
 
-    def statistics(self, time: int = 0, channel: int | None = None) -> Statistics | None:
+    def statistics(self, time: int = 0, channel: int | str | None = None) -> Statistics | None:
         """Range of the values where it is known without reading them; None where it is not.
 
         Raises
@@ -138,8 +160,8 @@ class VolumeSource(ABC):
     def read(
         self,
         level: int = 0,
-        time: int = 0,
-        channel: int | None = None,
+        time: int | None = None,
+        channel: int | str | None = None,
         box: Sequence[int] | None = None,
         cancel: Cancel | None = None,
         progress: Progress | None = None,
@@ -150,10 +172,10 @@ class VolumeSource(ABC):
         ----------
         level : int
             Number of the level of resolution, 0 is the finest.
-        time : int
-            Number of the time point, from 0.
-        channel : int or None
-            Number of the channel, from 0. None takes what the file shows by itself: its first channel, the
+        time : int or None
+            Number of the time point, from 0; None takes the first one, with a note where there are more.
+        channel : int, str or None
+            Number of the channel, from 0, or its name. None takes what the file shows by itself: its first channel, the
             brightness of colours.
         box : sequence of 6 ints, optional
             Voxels (i0, i1, j0, j1, k0, k1) of that level, those of i1, j1 and k1 no more, at least two along
@@ -177,11 +199,12 @@ class VolumeSource(ABC):
             The file is damaged or cannot be read.
         Cancelled
         """
-        level, time, channel = self._checked(level, time, channel)
+        time_chosen = time is not None
+        level, time, channel = self._checked(level, time or 0, channel)
         part = None if box is None else checked_box(box, self.levels[level].dimensions, self.name)
         if cancel is not None and cancel():
             raise Cancelled(f"{self.name}: reading was cancelled.")
-        request = ReadRequest(level, time, channel, part, cancel, progress)
+        request = ReadRequest(level, time, channel, part, cancel, progress, time_chosen)
         if part is not None:
             return self.read_volume(request)
         key = level, time, channel
@@ -202,23 +225,63 @@ class VolumeSource(ABC):
         """Values that were read, shape (z, y, x), with the geometry of their level or box."""
         level = self.levels[request.level]
         lattice = level if request.box is None else level.part(request.box)
+        scalars = np.asanyarray(array)
+        described = {**self.metadata, **metadata}
+        described["notes"] = (*described.get("notes", ()), *_notes_on_values(scalars))
         return Volume(
-            array,
+            scalars,
             lattice.spacing,
             lattice.origin,
             lattice.direction,
             unit=self.unit,
             name=self.name,
-            metadata={**self.metadata, **metadata},
+            metadata=described,
         )
 
-    def _checked(self, level: int, time: int, channel: int | None) -> tuple[int, int, int | None]:
+    def channel_number(self, channel: int | str) -> int:
+        """The number of a channel, from 0, by its number or name (upper or lower case, if that is clear).
+
+        Raises
+        ------
+        InputError
+            There is no such channel, or several are called so.
+        """
+        if not isinstance(channel, str):
+            return checked_number("channel", channel, self.sizes.get("c", 1), self.name)
+        names = [each.name for each in self.channels]
+        found = [n for n, name in enumerate(names) if name == channel]
+        found = found or [n for n, name in enumerate(names) if name.lower() == channel.lower()]
+        if len(found) != 1:
+            known = ", ".join(name for name in names if name)
+            which = "several channels are" if found else "no channel is"
+            there = f"; its channels are {known}" if known else "; its channels have no names"
+            raise InputError(f"{self.name}: {which} called {channel!r}{there}: give a number from 0.")
+        return found[0]
+
+    def _checked(self, level: int, time: int, channel: int | str | None) -> tuple[int, int, int | None]:
         sizes = self.sizes
         return (
             checked_number("level", level, len(self.levels), self.name),
             checked_number("time", time, sizes.get("t", 1), self.name),
-            None if channel is None else checked_number("channel", channel, sizes.get("c", 1), self.name),
+            None if channel is None else self.channel_number(channel),
         )
+
+
+def _notes_on_values(scalars: npt.NDArray[Any]) -> tuple[str, ...]:
+    """What the user must know of the values themselves: which of them are no data."""
+    from volviz.kernels.outliers import no_data_of
+
+    if scalars.ndim != 3 or not scalars.size or scalars.dtype.kind not in "iuf":
+        return ()
+    found = no_data_of(scalars)
+    if not found.values:
+        return ()
+    numbers = " and ".join(f"{value:.7g}" for value in found.values)
+    stand, out = ("stands", "it") if len(found.values) == 1 else ("stand", "them")
+    share = f"about {found.share:.0%}" if found.share >= 0.01 else "less than 1%"
+    return (
+        f'{numbers} {stand} for "no data", it seems ({share} of the voxels); the first look leaves {out} out.',
+    )
 
 
 def checked_number(what: str, value: int, count: int, name: str) -> int:

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import InputError
 from volviz.volume_data.vectors import finite_vector
+
+if TYPE_CHECKING:
+    from volviz.kernels.outliers import NoData
 
 #: Largest deviation from 1 of the length of a column of ``direction``.
 UNIT_TOLERANCE = 1e-3
@@ -136,6 +139,29 @@ class Volume:
     def nonfinite_count(self) -> int:
         """Number of NaN and infinite values."""
         return self._finite[2]
+
+    @cached_property
+    def _no_data(self) -> NoData:
+        from volviz.kernels.outliers import no_data_of
+
+        return no_data_of(self.array)
+
+    @property
+    def no_data(self) -> tuple[float, ...]:
+        """Numbers among the values that stand for "no data", -9999 say; nearly always none."""
+        return self._no_data.values
+
+    @property
+    def data_range(self) -> tuple[float, float]:
+        """`range`; where there are numbers for "no data", that of the other values, from a sample of them."""
+        return self._no_data.others if self.no_data else self.range
+
+    @cached_property
+    def bulk_range(self) -> tuple[float, float]:
+        """`range`, unless hot voxels or "no data" stretch it a hundredfold: then that of the bulk of the values."""
+        from volviz.kernels.outliers import bulk_range
+
+        return bulk_range(self.array, *self.range, self.no_data)
 
     @cached_property
     def finite_array(self) -> npt.NDArray[Any]:

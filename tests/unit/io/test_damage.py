@@ -33,7 +33,8 @@ def test_a_compressed_file_that_unpacks_to_less_than_promised_is_refused(tmp_pat
     # a bomb the other way round: the header promises 64 MB, the stream holds 3 MB and packs to 3 KB
     (tmp_path / "v.nrrd").write_bytes(head + gzip.compress(bytes(3_000_000)) + bytes(100_000))
     with pytest.raises(
-        VolvizError, match=r"cut off: the header promises 64,000,000 bytes of values, 3,000,000"
+        VolvizError,
+        match=r"cut off: the header promises 64,000,000 bytes of values and the file can hold 3,000,000 at most",
     ):
         load(tmp_path / "v.nrrd")
 
@@ -53,7 +54,7 @@ def test_a_long_stream_is_unpacked_in_blocks_to_the_same_values(tmp_path, monkey
 
     array = scalars((40, 50, 60), "uint16")
     path = itk(tmp_path / "v.nii.gz", array, compressed=True)
-    monkeypatch.setattr(raw_payload, "ONE_SHOT_BYTES", 0)
+    monkeypatch.setattr(raw_payload, "unpacked_at_once", lambda *_: None)
     monkeypatch.setattr(raw_payload, "BLOCK", 10_000)
     told: list[float] = []
     np.testing.assert_array_equal(load(path, progress=lambda fraction, _: told.append(fraction)).array, array)
@@ -61,14 +62,34 @@ def test_a_long_stream_is_unpacked_in_blocks_to_the_same_values(tmp_path, monkey
     assert told == sorted(told)
 
 
-@pytest.mark.parametrize("one_shot", [True, False])
-def test_values_that_fail_their_checksum_are_refused(tmp_path, monkeypatch, one_shot):
+def test_a_very_long_stream_is_unpacked_on_a_thread_that_can_be_left(tmp_path, monkeypatch):
+    from volviz.errors import Cancelled
+    from volviz.io import unpacking
+
+    array = scalars((40, 50, 60), "uint16")
+    path = itk(tmp_path / "v.nii.gz", array, compressed=True)
+    monkeypatch.setattr(unpacking, "SHORT_BYTES", 0)
+    np.testing.assert_array_equal(load(path).array, array)
+    asked: list[int] = []
+
+    def cancel() -> bool:
+        asked.append(1)
+        return len(asked) > 4
+
+    with pytest.raises(Cancelled):
+        load(path, cancel=cancel)
+
+
+@pytest.mark.parametrize("way", ["at once", "on a thread", "in blocks"])
+def test_values_that_fail_their_checksum_are_refused(tmp_path, monkeypatch, way):
     import gzip
 
-    from volviz.io import raw_payload
+    from volviz.io import raw_payload, unpacking
 
-    if not one_shot:
-        monkeypatch.setattr(raw_payload, "ONE_SHOT_BYTES", 0)
+    if way == "in blocks":
+        monkeypatch.setattr(raw_payload, "unpacked_at_once", lambda *_: None)
+    elif way == "on a thread":
+        monkeypatch.setattr(unpacking, "SHORT_BYTES", 0)
     array = scalars((4, 5, 6), "uint8")
     packed = bytearray(gzip.compress(array.tobytes(), compresslevel=0))
     path = tmp_path / "v_6x5x4_uint8.raw.gz"

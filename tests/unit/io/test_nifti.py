@@ -15,6 +15,7 @@ from nibabel.orientations import apply_orientation, inv_ornt_aff
 from tests.unit.io.writers import gzipped, itk, rotation, scalars
 from volviz.errors import InputError, LoadError
 from volviz.io import load
+from volviz.io import open as open_source
 
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 TYPES = ["uint8", "int8", "int16", "uint16", "int32", "uint32", "int64", "float32", "float64"]
@@ -292,15 +293,6 @@ def test_a_slope_without_an_intercept_is_applied_and_told(tmp_path):
     assert any("intercept" in note for note in volume.metadata["notes"])
 
 
-def test_long_doubles_have_no_agreed_form_in_nifti_and_are_refused(tmp_path):
-    path = save(tmp_path / "v.nii", scalars(), affine_of(1))
-    raw = bytearray(path.read_bytes())
-    raw[70:72] = np.array([1536], "<i2").tobytes()
-    path.write_bytes(raw)
-    with pytest.raises(LoadError, match="data type 1536 cannot be shown"):
-        load(path)
-
-
 def test_nan_and_infinity_stay_and_are_counted(tmp_path):
     array = scalars(dtype="float32")
     array[0, 0, 0], array[1, 2, 3] = np.nan, np.inf
@@ -350,3 +342,42 @@ def test_simpleitk_agrees_on_a_file_it_wrote(tmp_path):
     np.testing.assert_array_equal(volume.array, array)
     np.testing.assert_allclose(volume.direction, direction, atol=1e-6)
     np.testing.assert_allclose(volume.origin, (-12.5, 30.25, 7.0), atol=1e-5)
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize("bits", [80, 128])
+def test_numbers_of_128_bits_are_read_as_doubles(tmp_path, bits, order):
+    import struct
+    from fractions import Fraction
+
+    values = [0.0, 1.0, -2.5, 0.1, 1e-300, 1.7e308, np.inf, -np.inf, np.nan, 12345.678, -1e10, 3.0]
+
+    def packed(value: float) -> bytes:
+        sign = int(np.signbit(value)) << 15
+        if not np.isfinite(value):
+            exponent, fraction = 0x7FFF, Fraction(int(np.isnan(value)), 2)
+        elif value == 0:
+            exponent, fraction = 0, Fraction(0)
+        else:
+            significand, power = np.frexp(abs(value))
+            exponent, fraction = int(power) - 1 + 16383, 2 * Fraction(float(significand)) - 1
+        if bits == 128:
+            whole = int(fraction * 2**112) | (sign | exponent) << 112
+            return whole.to_bytes(16, "little")
+        leading = 0 if value == 0 else 1 << 63
+        return (
+            (leading | int(fraction * 2**63)).to_bytes(8, "little")
+            + struct.pack("<H", sign | exponent)
+            + b"\1\2\0\0\0\7"
+        )
+
+    header = nibabel.Nifti1Header(endianness=order)
+    header.set_data_shape((2, 2, 3))
+    header["datatype"], header["bitpix"], header["vox_offset"], header["magic"] = 1536, 128, 352, b"n+1"
+    numbers = [packed(value)[:: 1 if order == "<" else -1] for value in values]
+    (tmp_path / "v.nii").write_bytes(header.binaryblock + bytes(4) + b"".join(numbers))
+    volume = load(tmp_path / "v.nii")
+    assert volume.array.dtype == np.float64
+    np.testing.assert_array_equal(volume.array.ravel(), values)
+    assert any("128-bit" in note for note in volume.metadata["notes"])
+    assert open_source(tmp_path / "v.nii").read(box=(0, 2, 0, 2, 1, 3)).array.shape == (2, 2, 2)

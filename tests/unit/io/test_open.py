@@ -14,7 +14,8 @@ import volviz
 from tests.unit.io.writers import dicom_slice, scalars
 from volviz.cli import main
 from volviz.errors import InputError, LoadError
-from volviz.io import load
+from volviz.io import info, load
+from volviz.io.file_source import FileSource
 from volviz.volume_data.description import Channel, Statistics
 
 MAGENTA, GREEN = (np.arange(256)[None] * np.array(part)[:, None] for part in ((1, 0, 1), (0, 1, 0)))
@@ -228,6 +229,51 @@ def test_info_tells_what_the_whole_file_holds(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "time points: 3, from 0 to 4 s" in printed
     assert "channels:    2" in printed
+
+
+def test_info_reads_headers_alone_unless_asked_for_statistics(tmp_path, capsys):
+    array = scalars((4, 5, 6), "int16")
+    (tmp_path / "v.nrrd").write_bytes(
+        b"NRRD0004\ntype: short\ndimension: 3\nsizes: 6 5 4\nencoding: raw\nendian: little\nspacings: 1 1 2\n\n"
+        + array.astype("<i2").tobytes()
+    )
+    reads = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(FileSource, "read_volume", lambda *_: reads.append(1))
+        told = info(tmp_path / "v.nrrd")
+        assert main(["info", str(tmp_path / "v.nrrd")]) == 0
+    assert not reads
+    assert (told["dims"], told["dtype"], told["bytes"], told["range"]) == ([6, 5, 4], "int16", 240, None)
+    assert "range" not in capsys.readouterr().out
+    assert info(tmp_path / "v.nrrd", statistics=True)["range"] == [array.min(), array.max()]
+    assert main(["info", str(tmp_path / "v.nrrd"), "--statistics"]) == 0
+    assert f"range:       {array.min():g} to {array.max():g}" in capsys.readouterr().out
+
+
+def test_info_notices_a_packed_file_that_is_cut_off(tmp_path):
+    nibabel.save(nibabel.Nifti1Image(scalars((20, 20, 20), "int16"), np.eye(4)), tmp_path / "v.nii.gz")
+    packed = (tmp_path / "v.nii.gz").read_bytes()
+    (tmp_path / "v.nii.gz").write_bytes(packed[:-100])
+    with pytest.raises(LoadError, match="cut off"):
+        info(tmp_path / "v.nii.gz")
+
+
+def test_a_pipe_and_a_folder_of_other_files_are_told_in_true_words(tmp_path):
+    import os
+
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "v.nrrd")
+        with pytest.raises(LoadError, match="no file but a pipe"):
+            load(tmp_path / "v.nrrd")
+    folder = tmp_path / "scans"
+    folder.mkdir()
+    (folder / "notes.txt").write_text("nothing")
+    with pytest.raises(LoadError, match="no DICOM slices and no numbered pictures"):
+        load(folder)
+    for name in ("a.nii", "b.nii"):
+        nibabel.save(nibabel.Nifti1Image(scalars((3, 4, 5), "int16"), np.eye(4)), folder / name)
+    with pytest.raises(LoadError, match=r"this one holds a.nii, b.nii: open one of them"):
+        load(folder)
 
 
 def test_a_meta_image_may_tell_its_range(tmp_path):

@@ -120,6 +120,26 @@ def test_integer_data_have_a_whole_number_of_entries_a_value() -> None:
     assert table_size((0, 65535), True) == MAX_TABLE
 
 
+def label(value: float) -> list[tuple[float, tuple[float, ...]]]:
+    clear, red = (0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 1.0)
+    return [(value - 0.5, clear), (value - 0.5, red), (value + 0.5, red), (value + 0.5, clear)]
+
+
+def test_a_table_shows_every_feature_however_narrow() -> None:
+    data = (0.0, 65535.0)
+    alone = TransferFunction.from_points([(0, (0, 0, 0, 0)), *label(300), (65535, (0, 0, 0, 0))])
+    two = TransferFunction.from_points([*label(300), *label(60000)])
+    for function, shown in ((alone, (300,)), (two, (300, 60000))):
+        low, high = function.table_range(data)
+        texels = function.bake((low, high), function.table_size((low, high), integer=True))
+        entries = np.rint((np.clip(np.arange(65536.0), low, high) - low) / (high - low) * (len(texels) - 1))
+        assert tuple(np.flatnonzero(texels[entries.astype(int), 3] > 0.5)) == shown
+    # steep edges alone are no reason for a longer table
+    clear, dense = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
+    steps = TransferFunction.from_points([(0, clear), (9, clear), (9.001, dense), (65535, dense)])
+    assert steps.table_size(data, integer=True) == MAX_TABLE
+
+
 def test_a_table_of_4096_entries_is_baked_in_under_2_milliseconds() -> None:
     from timeit import repeat
 

@@ -76,7 +76,7 @@ def test_a_box_is_that_part_of_the_whole_at_its_place(i, j, k):
         ({"time": 12}, r"time must lie in 0\.\.9, got 12"),
         ({"channel": 1}, "only one channel"),
         ({"time": 1.0}, "time must be an integer"),
-        ({"channel": "red"}, "channel must be an integer"),
+        ({"channel": "red"}, "no channel is called .red."),
         ({"box": (0, 4, 0, 4, 0, 5)}, "from 0 to 5 along k, outside the 4 voxels"),
         ({"box": (-1, 4, 0, 4, 0, 4)}, "from -1 to 4 along i"),
         ({"box": (2, 2, 0, 4, 0, 4)}, "0 <= i0 < i1 <= 4"),

@@ -36,10 +36,11 @@ from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.ray_inspector.inspector import RayInspector
 from volviz_ui.ray_inspector.panel import RayPanel
 from volviz_ui.session.autosave import Autosave
-from volviz_ui.session.documents import SAMPLE_PREFIX, Documents, Opened
+from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene, volume_of
 from volviz_ui.session.memory import return_freed_memory
 from volviz_ui.session.mesh_summary import ShownMesh
+from volviz_ui.session.opening import SAMPLE_PREFIX, Opened
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.session.workers import Gate, Workers
 from volviz_ui.style.app_icon import app_icon
@@ -53,7 +54,6 @@ from volviz_ui.views.view_controller import ViewController
 from volviz_ui.views.view_grid import ViewGrid
 from volviz_ui.views.viewport import Viewport
 from volviz_ui.widgets.binding import show_value
-from volviz_ui.widgets.docks import VERSION as LAYOUT_VERSION
 from volviz_ui.widgets.docks import Docks
 
 MEMORY_DELAY_MS = 2000
@@ -79,6 +79,7 @@ class MainWindow(QMainWindow):
         autosave_folder: Path | None = None,
     ) -> None:
         super().__init__()
+        self._may_close = False
         self.theme = theme
         self.preferences = preferences if preferences is not None else Preferences()
         self.store = Store()
@@ -89,7 +90,7 @@ class MainWindow(QMainWindow):
         self.compilers.gate = self.gate
         self.documents = Documents(self.store, self.workers, self)
         self.setWindowIcon(app_icon())
-        self.setWindowTitle("VolViz")
+        self.setWindowTitle("VolViz[*]")
         self.setAcceptDrops(True)
         self.setDockOptions(
             QMainWindow.DockOption.AllowTabbedDocks
@@ -218,8 +219,10 @@ class MainWindow(QMainWindow):
         self.surface.work_changed.connect(section.show_work)
         section.cancel_requested.connect(self.surface.cancel)
         section.export_requested.connect(self.file_commands.export_mesh)
+        self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
         self.compare_commands.report_requested.connect(self.reports.write_report)
         self.documents.opened.connect(self._on_opened)
+        self.session_commands.unsaved.changed.connect(self.setWindowModified)
         self.views.failed.connect(self.gate.open)
         self.views.status_changed.connect(self._on_status_changed)
         self.views.function_drag_started.connect(self.transfer_editor.begin_shift_stretch)
@@ -240,18 +243,18 @@ class MainWindow(QMainWindow):
         self.view_commands.restore()
         self.resize(1400, 900)
         kept = self.preferences.window
-        # one or the other: Qt leaves a tab bar over the menu when panels in tabs are arranged twice
-        if kept is None or not self.restoreState(kept[1], LAYOUT_VERSION):
-            self.docks.reset()
+        self.docks.reset()
+        if kept is not None:
+            self.docks.restore(kept[1])
         if kept is not None:
             self.restoreGeometry(kept[0])
 
     # ------------------------------------------------------------------ opening
 
-    def open(self, source: str) -> None:
-        """Open a file, a folder or ``sample:<id>``."""
-        if source.startswith(SAMPLE_PREFIX):
-            self.documents.open(source)
+    def open(self, source: str, **hints: Any) -> None:
+        """Open a file, a folder or ``sample:<id>``; hints as for `volviz.load`."""
+        if source.startswith(SAMPLE_PREFIX) or hints:
+            self.documents.open(source, **hints)
         else:
             self.file_commands.open_path(source)
 
@@ -260,7 +263,8 @@ class MainWindow(QMainWindow):
             self.preferences.add_recent(opened.key)
 
     def _show_volume(self, volume: Volume | None) -> None:
-        self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
+        # [*] is where the system shows that something is unsaved
+        self.setWindowTitle("VolViz[*]" if volume is None else f"{volume.name}[*] – VolViz")
         self._memory_timer.start()
         if volume is not None:
             # where there is no machine code on disk yet, nobody shall wait for it later
@@ -300,10 +304,13 @@ class MainWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open what was dropped."""
+        """Open what was dropped; with Shift it becomes a further layer."""
         paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
         event.acceptProposedAction()
-        self.file_commands.open_dropped(paths)
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.documents.volume is not None:
+            self.file_commands.add_dropped(paths)
+        else:
+            self.file_commands.open_dropped(paths)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Escape leaves the full screen."""
@@ -312,6 +319,10 @@ class MainWindow(QMainWindow):
         else:
             super().keyPressEvent(event)
 
+    def _close_for_good(self) -> None:
+        self._may_close = True
+        self.close()
+
     def changeEvent(self, event: QEvent) -> None:
         """The window manager may end the full screen, too."""
         super().changeEvent(event)
@@ -319,13 +330,18 @@ class MainWindow(QMainWindow):
             self.commands.refresh()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Remember the layout; end the work and release the GPU while the context lives."""
+        """Ask about unsaved changes; remember the layout, end the work, release the GPU while the context lives."""
+        if self.session_commands.must_ask and not self._may_close:
+            event.ignore()
+            self.session_commands.unless_unsaved(self._close_for_good)
+            return
         if not self.isFullScreen():
-            self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
+            self.preferences.window = (self.saveGeometry(), self.docks.state())
         self.pointer.stop()
         self._memory_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
+        self.session_commands.unsaved.close()
         self.file_commands.close()
         self.ray_inspector.close()
         self.transfer_editor.close_workers()

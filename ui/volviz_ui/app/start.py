@@ -3,36 +3,26 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from typing import Any
 
 from volviz.environment import prepare
 
-USAGE = """usage: volviz [FILE]
 
-Opens the desktop program with a volume: a file, a DICOM folder, or sample:NAME. Without FILE a bundled
-sample is shown."""
-
-
-def main(argv: Sequence[str] | None = None) -> int:
+def main(source: str | None = None, **hints: Any) -> int:
     """Open the window and stay until it is closed.
 
     Parameters
     ----------
-    argv : sequence of str, optional
-        What follows the name of the program: at most one file, folder or ``sample:<id>``.
+    source : str, optional
+        File, folder or ``sample:<id>``; without one a bundled sample is shown.
+    **hints
+        How to read it, time point and channel, as for `volviz.load`.
 
     Returns
     -------
     int
-        Exit status: 0, or 2 for arguments that make no sense.
+        Exit status.
     """
-    arguments = list(sys.argv[1:] if argv is None else argv)
-    if any(argument in ("-h", "--help") for argument in arguments):
-        print(USAGE)
-        return 0
-    if len(arguments) > 1:
-        print("volviz: one file at a time; see volviz --help", file=sys.stderr)
-        return 2
     prepare()
     # everything below needs the environment above
     from PySide6.QtCore import QTimer
@@ -51,10 +41,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     window = MainWindow(Theme(application, preferences.theme), preferences, autosave_folder=folder)
     window.show()
     spare_lasting_objects()
-    source = arguments[0] if arguments else default_source()
 
     def begin() -> None:
-        window.open(source)
+        window.open(source or default_source(), **hints)
         window.session_commands.offer_restore(folder)
 
     QTimer.singleShot(0, begin)
@@ -72,4 +61,4 @@ def default_source() -> str:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(main(*sys.argv[1:2]))

@@ -7,8 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from volviz.compare.settings_match import match_second, setting_differences
-from volviz.custom_gl.arguments import changed_spec
-from volviz.custom_gl.scene_techniques import current_technique, render_spec
+from volviz.custom_gl.scene_techniques import current_technique
 from volviz.errors import Cancelled
 from volviz.model.render_spec import View
 from volviz.model.scene import Scene
@@ -98,14 +97,15 @@ class Measurements(QObject):
 
     def _measure(self) -> None:
         pair = self._views.arrangement.pair
-        volume, scene = self._documents.volume, self._documents.shown.scene
+        shown = self._documents.shown
+        volume, scene = shown.volume, shown.scene
         images = self._views.pair_images()
         if pair is None or volume is None or images is None or scene.view.camera is None:
             return
         if images[0].shape != images[1].shape:
             return
         sides = [
-            MeasuredView(changed_spec(render_spec(scene, view_widget.view), volume=volume), image)
+            MeasuredView(shown.whole_spec(view_widget.view), image)
             for view_widget, image in zip(pair, images, strict=True)
         ]
         height, width = images[0].shape[:2]

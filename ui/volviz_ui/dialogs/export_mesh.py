@@ -149,7 +149,7 @@ class ExportMeshDialog(QDialog):
             label=self.tr("Writing %1").replace("%1", Path(path).name),
         )  # fmt: skip
         self._task.progressed.connect(lambda fraction, _text: self.bar.show_fraction(fraction))
-        self._task.succeeded.connect(lambda _nothing: self._on_saved(path))
+        self._task.succeeded.connect(lambda note: self._on_saved(path, note))
         self._task.failed.connect(self._on_failed)
 
     def _show_writing(self, on: bool) -> None:
@@ -158,8 +158,10 @@ class ExportMeshDialog(QDialog):
         self.save_button.setEnabled(not on)
         self.format.setEnabled(not on)
 
-    def _on_saved(self, path: str) -> None:
+    def _on_saved(self, path: str, note: str) -> None:
         self._task = None
+        if note:
+            QMessageBox.information(self, self.windowTitle(), note)
         self.saved.emit(path)
         self.accept()
 

@@ -9,7 +9,9 @@ from volviz.volume_data.volume import Volume
 from volviz_ui.panels.clip_planes import ClipPlanes
 from volviz_ui.panels.crop import CropBox
 from volviz_ui.panels.histogram import HistogramView
+from volviz_ui.panels.layers import LayerList
 from volviz_ui.panels.panel import Panel, Section
+from volviz_ui.panels.part import PartChooser
 from volviz_ui.panels.value_label import ValueLabel
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import volume_of
@@ -19,13 +21,17 @@ from volviz_ui.widgets.small import quiet_label
 
 
 class DataPanel(Panel):
-    """Facts about the volume, its histogram, crop box and clip planes."""
+    """The layers, facts about the active one, which part of it is shown, its histogram, crop box and clip planes."""
 
     def __init__(
         self, store: Store, documents: Documents, workers: Workers, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self._properties: dict[str, ValueLabel] = {}
+        layers = Section(self.tr("Layers"), parent=self)
+        self.layers = LayerList(store, documents, self)
+        layers.add_wide(self.layers)
+
         properties = Section(self.tr("Volume"), parent=self)
         properties.rows.setVerticalSpacing(3)
         for key, label, tooltip in (
@@ -49,6 +55,12 @@ class DataPanel(Panel):
         self.notes.setToolTip(self.tr("What the reader has to say about the file"))
         properties.add_wide(self.notes)
 
+        part = Section(self.tr("Channel and time"), parent=self)
+        self.part = PartChooser(store, documents, self)
+        part.add_wide(self.part)
+        self.part.needed.connect(part.setVisible)
+        part.setVisible(False)
+
         shown = Section(self.tr("Histogram"), parent=self)
         self.histogram = HistogramView(documents, workers, self)
         shown.add_wide(self.histogram)
@@ -60,7 +72,7 @@ class DataPanel(Panel):
         planes = Section(self.tr("Clip planes"), parent=self)
         self.planes = ClipPlanes(store, documents, self)
         planes.add_wide(self.planes)
-        for section in (properties, shown, crop, planes):
+        for section in (layers, properties, part, shown, crop, planes):
             self.add(section)
         show_value(documents, volume_of, self._show_volume)
 

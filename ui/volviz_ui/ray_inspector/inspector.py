@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, QTimer, Signal
 
-from volviz.custom_gl.arguments import changed_spec
-from volviz.custom_gl.scene_techniques import render_spec
 from volviz.custom_gl.settings import common_settings
 from volviz.errors import VolvizError
 from volviz.model.render_spec import RenderSpec, View
@@ -157,7 +155,7 @@ class RayInspector(QObject):
         pixel = (min(int(self.place[0] * width), width - 1), min(int(self.place[1] * height), height - 1))
         camera = view_widget.viewport.renderer.GetActiveCamera()
         return _Request(
-            changed_spec(render_spec(scene, view_widget.view), volume=volume),
+            self._documents.shown.active_spec(view_widget.view),
             volume,
             View(view_widget.viewport.view_camera, size, clipping_range=camera.GetClippingRange()),
             pixel,

@@ -3,43 +3,38 @@
 from __future__ import annotations
 
 import os
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from psygnal import Signal as Event
 from PySide6.QtCore import QObject, Signal
 
-from volviz.custom_gl.layer_set import layer_function
 from volviz.errors import InputError
-from volviz.model.auto_isovalue import auto_isovalue
-from volviz.model.layers import ImageLayer
+from volviz.model.layer_edits import with_added, with_layers_instead
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
-from volviz.volume_data.scalars import bricks_of
+from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.session.opening import (
+    SAMPLE_PREFIX,
+    Opened,
+    has_channels,
+    layers_of,
+    open_channels,
+    open_volume,
+    scene_with,
+    title_of,
+)
 from volviz_ui.session.volume_cache import VolumeCache
 from volviz_ui.session.workers import Task, Workers
 
-SAMPLE_PREFIX = "sample:"
-
-
-@dataclass(frozen=True)
-class Opened:
-    """What a worker brings: the volume and how to show it at first."""
-
-    key: VolumeKey
-    volume: Volume
-    transfer_function: TransferFunction
-    technique: str | None = None
-    settings: Any = None
-    scene: Scene | None = None
-    """The whole scene, when a session was opened."""
+SOURCES = 8
+"""Files whose headers are kept."""
 
 
 class Documents(QObject):
@@ -66,7 +61,9 @@ class Documents(QObject):
         self._store = store
         self._workers = workers
         self.cache = VolumeCache()
+        self._sources: OrderedDict[VolumeRef, VolumeSource] = OrderedDict()
         self._shown = LoadedScene()
+        self._read: dict[VolumeKey, Volume] = {}
         self._shown = self._loaded(store.scene) or self._shown
         self._changes: deque[tuple[LoadedScene, LoadedScene]] = deque()
         self._awaited: VolumeKey | None = None
@@ -87,6 +84,12 @@ class Documents(QObject):
         return self._shown.volume
 
     @property
+    def source(self) -> VolumeSource | None:
+        """Where the volume that is shown comes from: its other time points and channels can be read of it."""
+        layer = self._shown.scene.layer
+        return None if layer is None else self._sources.get(layer.key.ref)
+
+    @property
     def is_current(self) -> bool:
         """Whether the scene of the store is the one that is shown, and no volume is awaited for it."""
         return self._shown.scene is self._store.scene
@@ -99,21 +102,48 @@ class Documents(QObject):
     # ------------------------------------------------------------------ opening
 
     def open(
-        self, source: str | os.PathLike[str], *, channel: int | None = None, time: int = 0, **hints: Any
+        self, source: str | os.PathLike[str], *, channel: int | str | None = None, time: int = 0, **hints: Any
     ) -> None:
-        """Read a file, folder or ``sample:<id>`` and show it; the newest request wins."""
+        """Read a file, folder or ``sample:<id>`` and show it; the newest request wins.
+
+        A channel is chosen by its number, from 0, or its name; without one, the file shows what it shows by itself.
+        """
         text = os.fspath(source)
         if not text.startswith(SAMPLE_PREFIX):
             text = str(Path(text).absolute())
         ref = VolumeRef(text, tuple(hints.items()), content_id(text))
         self._way_back = None
-        self._start(VolumeKey(ref, channel, time), first=True)
+        name = channel if isinstance(channel, str) else None
+        number = None if isinstance(channel, str) else channel
+        self._start(VolumeKey(ref, number, time), first=True, channel_name=name)
+
+    def add(self, source: str | os.PathLike[str]) -> None:
+        """Read a file, folder or ``sample:<id>`` and show it as a further layer."""
+        text = os.fspath(source)
+        if self._store.scene.layer is None:
+            self.open(text)
+            return
+        if not text.startswith(SAMPLE_PREFIX):
+            text = str(Path(text).absolute())
+        key = VolumeKey(VolumeRef(text, (), content_id(text)), None, 0)
+        self._way_back = None
+        self._run(key, lambda task: open_volume(key, task, adds=True), self._on_added)
+
+    def show_all_channels(self) -> None:
+        """Show all channels of the file that the active layer shows, each as a layer, in the place of that layer."""
+        layer, source = self._shown.scene.layer, self.source
+        if layer is not None and source is not None and has_channels(source):
+            key = layer.key
+            self._way_back = None
+            self._run(key, lambda task: open_channels(key, source, task), self._on_channels)
 
     def open_scene(self, scene: Scene) -> None:
         """Show a whole scene, as from a session file, once its volume has been read."""
         if scene.layer is None:
             if scene.layers:
-                error = InputError("it holds labels alone, which cannot be drawn yet; add an image to it.")
+                error = InputError(
+                    "it holds labels alone, which the window shows beside an image; add one to it."
+                )
                 self.failed.emit(self.tr("The session"), error)
             return
         self._way_back = None
@@ -148,15 +178,28 @@ class Documents(QObject):
         self._task = None
         self._shown = LoadedScene()
         self.cache.clear()
+        self._sources.clear()
 
     # ------------------------------------------------------------------ inside
 
-    def _start(self, key: VolumeKey, *, first: bool, scene: Scene | None = None) -> None:
+    def _start(
+        self, key: VolumeKey, *, first: bool, scene: Scene | None = None, channel_name: str | None = None
+    ) -> None:
+        # headers are not read again for another time point
+        source = None if first else self._sources.get(key.ref)
+        self._run(
+            key,
+            lambda task: open_volume(key, task, scene, source=source, channel=channel_name, first=first),
+            self._on_first_loaded if first else self._on_loaded_again,
+        )
+
+    def _run(self, key: VolumeKey, work: Callable[[Task], Opened], done: Callable[[Opened], None]) -> None:
+        """Read on a worker; the newest request wins."""
         name = title_of(key.ref)
-        task = self._workers.start(lambda task: open_volume(key, task, scene), label=name, key="load")
+        task = self._workers.start(work, label=name, key="load")
         self._task = task
         task.progressed.connect(self.loading_progressed)
-        task.succeeded.connect(self._on_first_loaded if first else self._on_loaded_again)
+        task.succeeded.connect(done)
         task.failed.connect(lambda error: self._on_failed(task, error))
         self.loading_started.emit(name)
 
@@ -167,7 +210,7 @@ class Documents(QObject):
 
     def _on_first_loaded(self, opened: Opened) -> None:
         self._end()
-        self.cache.put(opened.key, opened.volume)
+        self._keep(opened)
         is_first = self._store.scene.layer is None
         self._store.update(
             lambda scene: scene_with(scene, opened),
@@ -178,11 +221,38 @@ class Documents(QObject):
             self._store.clear_history()
         self.opened.emit(opened)
 
+    def _on_added(self, opened: Opened) -> None:
+        self._end()
+        self._keep(opened)
+        self._store.update(
+            lambda scene: with_added(scene, layers_of(opened)),
+            label=self.tr("Add %1").replace("%1", opened.volume.name),
+        )
+
+    def _on_channels(self, opened: Opened) -> None:
+        self._end()
+        self._keep(opened)
+        self._store.update(
+            lambda scene: with_layers_instead(scene, opened.key.ref, opened.layers),
+            label=self.tr("All channels"),
+        )
+
     def _on_loaded_again(self, opened: Opened) -> None:
         self._end()
         self._way_back = None
-        self.cache.put(opened.key, opened.volume)
+        self._keep(opened)
         self._follow(self._store.scene)
+
+    def _keep(self, opened: Opened) -> None:
+        # several may be read one after the other, and all are needed before any is shown
+        read = {opened.key: opened.volume, **opened.others}
+        self._read |= read
+        for key, volume in read.items():
+            self.cache.put(key, volume)
+        self._sources[opened.key.ref] = opened.source
+        self._sources.move_to_end(opened.key.ref)
+        while len(self._sources) > SOURCES:
+            self._sources.popitem(last=False)
 
     def _on_failed(self, task: Task, error: Exception) -> None:
         if task is not self._task:
@@ -215,23 +285,34 @@ class Documents(QObject):
                 self._workers.cancel("load")
                 self._end()
             self._show(loaded)
-        elif scene.layer is not None and scene.layer.key != self._awaited:
-            self._awaited = scene.layer.key
-            self._start(scene.layer.key, first=False)
+        else:
+            missing = next(key for key in keys_of(scene) if self._at_hand(key) is None)
+            if missing != self._awaited:
+                self._awaited = missing
+                self._start(missing, first=False)
+
+    def _at_hand(self, key: VolumeKey) -> Volume | None:
+        """A volume that need not be read."""
+        return self._shown.volumes.get(key) or self._read.get(key) or self.cache.get(key)
 
     def _loaded(self, scene: Scene) -> LoadedScene | None:
         """The scene with its volumes, None when one of them must be read."""
-        if scene.layer is None:
-            return LoadedScene(scene)
-        key = scene.layer.key
-        if key in self._shown.volumes:
+        keys = keys_of(scene)
+        if set(keys) == set(self._shown.volumes):
             return LoadedScene(scene, self._shown.volumes)
-        volume = self.cache.get(key)
-        return None if volume is None else LoadedScene(scene, {key: volume})
+        volumes: dict[VolumeKey, Volume] = {}
+        for key in keys:
+            volume = self._at_hand(key)
+            if volume is None:
+                return None
+            volumes[key] = volume
+        return LoadedScene(scene, volumes)
 
     def _show(self, new: LoadedScene) -> None:
         old, self._shown = self._shown, new
-        if new.volume is not old.volume and new.volume is not None and self._workers.gate is not None:
+        self._read = {}
+        is_new = new.volume is not None and new.volume not in old.volumes.values()
+        if is_new and self._workers.gate is not None:
             # the histograms wait until the first image has been drawn
             self._workers.gate.shut()
         self._changes.append((old, new))
@@ -244,58 +325,6 @@ class Documents(QObject):
                 self._changes.popleft()
 
 
-def title_of(ref: VolumeRef) -> str:
-    """What to call a source before it has been read."""
-    if ref.source.startswith(SAMPLE_PREFIX):
-        return ref.source.removeprefix(SAMPLE_PREFIX)
-    return Path(ref.source).name or ref.source
-
-
-def open_volume(key: VolumeKey, task: Task, scene: Scene | None = None) -> Opened:
-    """Read a volume and choose how to show it at first, unless a scene says it. Runs on a worker."""
-    from volviz.io import load
-
-    ref = key.ref
-    task.report(-1.0, "")
-    volume = load(
-        ref.source, time=key.time or None, channel=key.channel,
-        progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints),
-    )  # fmt: skip
-    # lazily computed and needed by every panel: done here, not in the window
-    auto_isovalue(volume)
-    bricks_of(volume)
-    if scene is not None and scene.layer is not None:
-        # the editor needs one function, in the place of colour and window, and with the opacity in it
-        scene = scene.with_layer(transfer_function=layer_function(scene.layer, volume), opacity=1.0)
-        return Opened(key, volume, scene.layer.transfer_function, scene=scene)
-    preset_id = suggested_preset(ref)
-    if preset_id is None:
-        return Opened(key, volume, TransferFunction.auto(volume))
-    from volviz.model.transfer.presets import preset, preset_for
-
-    chosen = preset(preset_id)
-    return Opened(key, volume, preset_for(chosen, volume), chosen.technique, chosen.settings)
-
-
-def suggested_preset(ref: VolumeRef) -> str | None:
-    """The preset that a bundled sample looks best with."""
-    if not ref.source.startswith(SAMPLE_PREFIX):
-        return None
-    from volviz.io.samples import samples
-
-    wanted = ref.source.removeprefix(SAMPLE_PREFIX)
-    return next((sample.preset for sample in samples() if sample.id == wanted), None)
-
-
-def scene_with(scene: Scene, opened: Opened) -> Scene:
-    """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
-    if opened.scene is not None:
-        return opened.scene
-    key = opened.key
-    layer = ImageLayer(
-        key.ref, opened.transfer_function, opened.volume.name, channel=key.channel, time=key.time
-    )
-    views = tuple(replace(view, camera=None) for view in scene.views)
-    clipping = replace(scene.clipping, crop=None, planes=())
-    light = replace(scene.light, position=None)
-    return replace(scene, layers=(layer,), views=views, clipping=clipping, light=light)
+def keys_of(scene: Scene) -> list[VolumeKey]:
+    """What the layers of a scene show; nothing of one that has no image, which nobody draws."""
+    return [] if scene.layer is None else [layer.key for layer in scene.layers]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from volviz.custom_gl.scene_techniques import render_spec
+from volviz.custom_gl.scene_techniques import current_technique, render_spec
+from volviz.model.layers import ImageLayer, Layer
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
@@ -22,7 +23,7 @@ class LoadedScene:
     scene : Scene
         What is shown.
     volumes : mapping from VolumeKey to Volume
-        What its layers show, as far as they are drawn: that of `scene.layer`.
+        What its layers show.
     """
 
     scene: Scene = field(default_factory=Scene)
@@ -30,42 +31,65 @@ class LoadedScene:
 
     @property
     def volume(self) -> Volume | None:
-        """The volume of the first image layer; None for a scene that shows nothing."""
+        """The volume of `Scene.layer`; None for a scene that shows nothing."""
         layer = self.scene.layer
         return None if layer is None else self.volumes[layer.key]
 
     @property
     def transfer_function(self) -> TransferFunction | None:
-        """The transfer function of the first image layer."""
+        """The transfer function of `Scene.layer`."""
         layer = self.scene.layer
         return None if layer is None else layer.transfer_function
 
     def spec(self, view: int) -> RenderSpec:
-        """What a view draws of the scene: the first image layer, as if it were alone; see `words_on_layers`."""
-        first = self.scene.layer
-        layers = () if first is None else (replace(first, visible=True, mode="add", transform=None),)
+        """What a view draws of the scene: its visible layers, or the active one by a technique that draws one."""
         # distances of surfaces are measured by whoever compares, and given to the handle as colours
-        return replace(render_spec(self.scene, view), layers=layers, surface_colors=None)
+        return replace(render_spec(self.scene, view), layers=self._drawn(view), surface_colors=None)
+
+    def whole_spec(self, view: int) -> RenderSpec:
+        """The same with the volumes themselves in the layers, for other threads."""
+        spec = self.spec(view)
+        layers = (replace(each, volume=self.volumes[each.key], channel=None, time=0) for each in spec.layers)
+        return replace(
+            spec, layers=tuple(layers), surface_colors=render_spec(self.scene, view).surface_colors
+        )
+
+    def active_spec(self, view: int) -> RenderSpec:
+        """The same of the active layer alone: what a ray inspector follows."""
+        active = self.scene.layer
+        if active is None:
+            return self.whole_spec(view)
+        layer = replace(
+            active, volume=self.volumes[active.key], channel=None, time=0, visible=True, mode="add"
+        )
+        return replace(render_spec(self.scene, view), layers=(layer,))
+
+    def _drawn(self, view: int) -> tuple[Layer, ...]:
+        active = self.scene.layer
+        if active is None:
+            return ()
+        visible = tuple(layer for layer in self.scene.layers if layer.visible)
+        if draws_one(self.scene, view):
+            visible = tuple(layer for layer in visible if layer is active)
+            visible = tuple(replace(layer, mode="add") for layer in visible)
+        if any(isinstance(layer, ImageLayer) and layer.mode == "add" for layer in visible):
+            return visible
+        # an empty picture is one of the active layer without opacity, so that labels and masks have their place
+        return (replace(active, visible=True, mode="add", opacity=0.0), *visible)
+
+
+def draws_one(scene: Scene, view: int | None = None) -> bool:
+    """Whether the technique of a view draws one layer at a time."""
+    return not current_technique(scene, view).draws_layers
 
 
 def words_on_layers(scene: Scene) -> str:
-    """A sentence on what of the layers is kept, but not drawn yet; empty when all is drawn."""
-    first = scene.layer
-    parts = []
-    if len(scene.layers) > 1:
-        others = len(scene.layers) - 1
-        parts.append("1 further layer" if others == 1 else f"{others} further layers")
-    if first is not None:
-        parts += [
-            words
-            for words, is_so in (
-                ("the transform of the first image", first.transform is not None),
-                (f"its mode {first.mode}", first.mode != "add"),
-                ("that it is hidden", not first.visible),
-            )
-            if is_so
-        ]
-    return f"Kept, but not drawn yet: {', '.join(parts)}." if parts else ""
+    """A sentence on layers that the technique of the active view leaves out; empty when all visible ones are drawn."""
+    others = sum(layer.visible for layer in scene.layers if layer is not scene.layer)
+    if not others or not draws_one(scene):
+        return ""
+    count = "1 other layer waits" if others == 1 else f"{others} other layers wait"
+    return f"{current_technique(scene).label} draws the active layer; {count}."
 
 
 def volume_of(shown: LoadedScene) -> Volume | None:

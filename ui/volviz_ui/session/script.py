@@ -31,7 +31,7 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     """
     layer = scene.layer
     if layer is None:
-        return "\n".join(["import volviz", *_others(list(scene.layers)), ""])
+        return "\n".join(["import volviz", *_others(list(scene.layers), drawn=False), ""])
     others = [other for other in scene.layers if other is not layer]
     functions = [each.transfer_function for each in scene.layers if isinstance(each, ImageLayer)]
     coloring = distance_coloring(scene)
@@ -50,16 +50,19 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     lines += ["", f"volume = volviz.load({_source(layer)}{chosen})"]
     if layer.transfer_function is not None:
         lines += _function("transfer_function", layer.transfer_function)
-    lines += _others(others) + _coloring(scene, coloring)
+    info = current_technique(scene)
+    together = bool(others) and info.draws_layers
+    lines += _others(others, drawn=together) + _coloring(scene, coloring)
     shown = ["    volume,"]
-    values = _layer_values(layer, but=("channel", "time", "name", "visible"))
-    if values:
+    values = _layer_values(layer, but=("channel", "time", *(() if together else ("name", "visible"))))
+    as_layer = together or bool(values)
+    if as_layer:
         function = "" if layer.transfer_function is None else ", transfer_function"
         lines += [f"layer = volviz.ImageLayer(volume{function}{values})"]
-        shown = ["    layer,"]
-    info = current_technique(scene)
+        names = ["layer", *(f"layer_{number}" for number in range(2, len(others) + 2))]
+        shown = [f"    [{', '.join(names)}]," if together else "    layer,"]
     lines += ["picture = volviz.render(", *shown, f"    {info.id!r},"]
-    if layer.transfer_function is not None and not values:
+    if layer.transfer_function is not None and not as_layer:
         lines += ["    transfer_function=transfer_function,"]
     lines += [f"    size={size},"]
     if scene.view.camera is not None:
@@ -106,8 +109,8 @@ def _source(layer: Layer) -> str:
     return repr(ref.source) + "".join(f", {key}={value!r}" for key, value in ref.hints)
 
 
-def _others(layers: list[Layer]) -> list[str]:
-    """Layers that are not in the image, since one is drawn at a time: told, so that none gets lost."""
+def _others(layers: list[Layer], *, drawn: bool) -> list[str]:
+    """Further layers; those that a technique for one leaves out are told as well, so that none gets lost."""
     lines = []
     for number, layer in enumerate(layers, start=2):
         parts = f"volviz.open({_source(layer)})"
@@ -115,7 +118,8 @@ def _others(layers: list[Layer]) -> list[str]:
             lines += _function(f"transfer_function_{number}", layer.transfer_function)
             parts += f", transfer_function_{number}"
         kind = type(layer).__name__
-        lines += ["# one layer is drawn at a time: this one is not in the picture"]
+        if not drawn:
+            lines += ["# one layer is drawn: this one is not in the picture"]
         lines += [f"layer_{number} = volviz.{kind}({parts}{_layer_values(layer)})"]
     return lines
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,12 +12,11 @@ import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from volviz.custom_gl.scene_techniques import render_spec
+from volviz.errors import LoadError
 from volviz.model.render_spec import View
-from volviz.model.scene import Scene
 from volviz.model.surface_values import SurfaceColors
 from volviz.renderer import Renderer
-from volviz.volume_data.volume import Volume
+from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.workers import Task, Workers
 from volviz_ui.views.annotations import background_image
 
@@ -31,10 +31,8 @@ class ImageExport(QObject):
 
     Parameters
     ----------
-    scene : Scene
+    shown : LoadedScene
         What to draw; later changes of the window's scene do not matter.
-    volume : Volume
-        Its volume.
     path : str
         The file; its suffix says the format.
     size : tuple of 2 ints
@@ -55,8 +53,7 @@ class ImageExport(QObject):
 
     def __init__(
         self,
-        scene: Scene,
-        volume: Volume,
+        shown: LoadedScene,
         path: str,
         size: tuple[int, int],
         *,
@@ -67,7 +64,7 @@ class ImageExport(QObject):
     ) -> None:
         super().__init__(parent)
         self.path = path if Path(path).suffix else path + ".png"
-        self._scene, self._volume, self._size = scene, volume, size
+        self._shown, self._size = shown, size
         self._opaque = not transparent or self.path.lower().endswith(OPAQUE_SUFFIXES)
         self._workers = workers
         self._surface_colors = surface_colors
@@ -106,14 +103,14 @@ class ImageExport(QObject):
             self._fail(error)
 
     def _begin(self) -> None:
-        spec, layer = render_spec(self._scene), self._scene.layer
+        scene = self._shown.scene
         width, height = self._size
         self._pixels = np.zeros((height, width, 3 if self._opaque else 4), np.uint8)
         self._renderer = Renderer(self._size)
         self._turns = self._renderer.turns(
-            replace(spec, surface_colors=self._surface_colors),
-            View(self._scene.view.camera, self._size),
-            {} if layer is None else {layer.key: self._volume},
+            replace(self._shown.spec(scene.active_index), surface_colors=self._surface_colors),
+            View(scene.view.camera, self._size),
+            self._shown.volumes,
             seconds=TURN_SECONDS,
         )
 
@@ -123,7 +120,7 @@ class ImageExport(QObject):
         x, y, width, height = region
         alpha = part[..., 3:]
         if self._opaque:
-            behind = background_image(self._scene.background, (width, self._size[1]))[y : y + height]
+            behind = background_image(self._shown.scene.background, (width, self._size[1]))[y : y + height]
             colors = part[..., :3] + (1.0 - alpha) * behind
         else:
             colors = np.divide(part[..., :3], alpha, out=np.zeros_like(part[..., :3]), where=alpha > 1e-6)
@@ -173,5 +170,9 @@ def write_image(pixels: npt.NDArray[np.uint8], path: Path, task: Task) -> None:
         Image.fromarray(pixels).save(part)
         task.report(1.0)
         part.replace(path)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise LoadError(f"{path} cannot be written: {why}; choose another folder.") from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)

@@ -75,7 +75,7 @@ class Pointer(QObject):
         """What is seen in a view at a place, None for nothing."""
         view_widget = self._views.view_widgets[view]
         handle = view_widget.controller.handle
-        if handle is None or handle.volume is not self._documents.volume:
+        if handle is None or not self._documents.is_current:
             return None
         ratio = view_widget.viewport.devicePixelRatioF()
         picked: Picked | None = handle.pick(position.x() * ratio, position.y() * ratio)
@@ -99,7 +99,8 @@ class Pointer(QObject):
         )
 
     def _show(self, picked: Picked | None) -> None:
-        volume = self._documents.volume
+        active = self._documents.volume
+        volume = active if picked is None or picked.volume is None else picked.volume
         value = None
         if picked is not None and volume is not None:
             i, j, k = picked.voxel
@@ -108,4 +109,4 @@ class Pointer(QObject):
         self._status_line.show_picked(
             None if picked is None else picked.voxel, value, volume.unit if volume is not None else ""
         )
-        self._editor.highlight_value(value)
+        self._editor.highlight_value(value if volume is active else None)

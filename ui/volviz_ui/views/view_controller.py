@@ -10,14 +10,13 @@ from typing import Any
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 
 from volviz.custom_gl.arguments import keeping_surface_colors
-from volviz.custom_gl.framing import default_camera
+from volviz.custom_gl.framing import default_camera, layers_camera
+from volviz.custom_gl.resolve import resolve
 from volviz.custom_gl.scene_techniques import (
-    current_settings,
     current_technique,
     faced,
     with_window_moved,
 )
-from volviz.custom_gl.technique import drawn_function
 from volviz.custom_gl.vtk import add_spec
 from volviz.model.camera import Camera
 from volviz.model.cursor import cursor_of, stepped, within
@@ -238,12 +237,10 @@ class ViewController(QObject):
         """The camera that sees all that is visible, straight where a plane is faced; None without a volume."""
         if shown.volume is None:
             return None
-        scene = shown.scene
-        info, settings = current_technique(scene, self._view), current_settings(scene, self._view)
-        return default_camera(
-            shown.volume, self._viewport.pixel_size, facing=faced(scene, self._view),
-            transfer_function=drawn_function(info, settings, shown.transfer_function),
-        )  # fmt: skip
+        facing = faced(shown.scene, self._view)
+        if facing is not None:
+            return default_camera(shown.volume, self._viewport.pixel_size, facing=facing)
+        return layers_camera(resolve(shown.spec(self._view), shown.volumes).seen, self._viewport.pixel_size)
 
     def _apply(self, change: Callable[[], Any]) -> None:
         try:

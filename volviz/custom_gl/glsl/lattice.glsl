@@ -41,9 +41,19 @@ void begin_lattice(float t) {
     g_far -= t;
 }
 
+vec3 on_lattice(float t) { return g_start + t * g_direction; }
+
+bool in_lattice(float t) {
+#if LATTICES > 1
+    return g_hit && t >= g_near && t <= g_far;
+#else
+    return true;
+#endif
+}
+
 // Take a sample that stands for a segment.
 void place_in_lattice(float at, float begin, float segment_length) {
-    g_at = g_start + at * g_direction;
+    g_at = on_lattice(at);
 #if LATTICES > 1
     float inside = min(begin + segment_length, g_far) - max(begin, g_near);
     g_share = g_hit ? clamp(inside / segment_length, 0.0, 1.0) : 0.0;
@@ -58,7 +68,7 @@ float stay_in_lattice(float at, float begin, float segment_length) {
     if (!g_hit || begin >= g_far) return -1e30;
     if (begin + segment_length <= g_near) return begin + segment_length - g_near;
 #endif
-    Brick b = brick_at(g_start + at * g_direction);
+    Brick b = brick_at(on_lattice(at));
     float clear = clear_length(b, g_inverse_direction);
     return b.visible ? clear + 1e-30 : -clear;
 }

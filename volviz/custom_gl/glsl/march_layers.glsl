@@ -6,10 +6,13 @@
 // define
 //     COMPOSITE_SKIPS       1 when segments without visible samples may be left out
 //     void layers_begin(float ray_length)   world units
-//     bool layers_add(float segment_length, bool full_step)
+//     bool labels_begin()   faces of labels that are cut where the ray begins; true = the ray can end
+//     bool layers_add(float segment_length)
 //                           true = the ray can end; g_at and g_share of each lattice are those of the segment's sample,
 //                           `samples` the scalars there, one for each layer
 //     vec4 layers_end()     premultiplied colour of the ray
+// Layers of labels are surfaces in the matter of the others: before layers_add is called, label.glsl has looked for a
+// border in the segment.
 // MODE of a layer is 0: its matter is added, 1: it masks the others, 2: it modulates their extinction. ADDS of a lattice
 // is 1 when it has a layer whose matter is added.
 
@@ -25,6 +28,9 @@ uniform sampler3D t_layer_distances;   // fields of empty space, one above the o
 #pragma each_layer
 #include "layer.glsl"
 #pragma end
+#pragma each_label
+#include "label.glsl"
+#pragma end
 
 uniform float u_step;              // world units
 uniform float u_first_sample;      // fraction of a step
@@ -32,7 +38,9 @@ uniform float u_early_termination; // opacity at which a ray ends
 uniform bool u_jitter;
 uniform float u_jitter_seed;
 
+#if LAYERS > 0
 float samples[LAYERS];
+#endif
 
 // What masks leave of the others, and with them layers that modulate.
 float seen_through_masks() {
@@ -40,6 +48,11 @@ float seen_through_masks() {
 #pragma each_layer
 #if MODE == 1
     left *= step(0.5, layer_color(samples[LAYER], samples[LAYER], AT_LATTICE).a) * SHARE_OF_LATTICE;
+#endif
+#pragma end
+#pragma each_label
+#if MODE == 1
+    left *= look_of(label_at(AT_LATTICE)).a > 0.0 ? SHARE_OF_LATTICE : 0.0;
 #endif
 #pragma end
     return left;
@@ -54,13 +67,28 @@ void take_samples(float at, float begin, float segment_length) {
 #pragma each_layer
     samples[LAYER] = sample_scalar(AT_LATTICE);
 #pragma end
+#pragma each_label
+#if MODE == 0
+    find_border(begin, segment_length);
+#endif
+#pragma end
+}
+
+// Labels where a segment begins that does not follow the last one.
+void find_labels(float begin) {
+#pragma each_label
+#if MODE == 0
+    g_label = label_on_ray(begin);
+#endif
+#pragma end
 }
 
 // Samples k in [first, last) lie in bricks in which a layer may be visible; advances `first` over those that do not.
-void next_run(float fraction, float inverse_step, int count, inout int first, out int last) {
+void next_run(float fraction, float inverse_step, float total, int count, inout int first, out int last) {
     last = first;
     while (first < count) {
-        float begin = float(first) * u_step, at = begin + fraction * u_step;
+        float begin = float(first) * u_step;
+        float at = begin + fraction * min(u_step, total - begin);
         float longest = -1e30;
 #pragma each_lattice
         longest = max(longest, stay_in_lattice(at, begin, u_step));
@@ -88,34 +116,32 @@ vec4 march(Ray ray, vec2 pixel) {
 #pragma end
     float total = far - near;
     layers_begin(total);
+    find_labels(0.0);
+    if (labels_begin()) return layers_end();
     float inverse_step = 1.0 / u_step;
     // a last segment shorter than a thousandth of a step is rounding, not data
     int count = max(int(ceil(total * inverse_step - 1e-3)), 1);
-    if (u_first_sample == 1.0 && total >= (float(count) - 1e-3) * u_step) ++count;
+    // VTK leaves the last segment out when it samples the far ends of steps, unless it is whole
+    bool far_ends = u_first_sample == 1.0 && !u_jitter;
+    if (far_ends && total < (float(count) - 1e-3) * u_step) --count;
     float fraction = u_jitter ? pixel_noise(pixel, u_jitter_seed) : u_first_sample;
-    // the last segment is shorter, and so its sample lies elsewhere
-    int full_steps = count - 1;
     bool done = false;
-    int k = 0;
-    while (k < full_steps && !done) {
+    int k = 0, follows = 0;
+    while (k < count && !done) {
+        int last = count;
 #if COMPOSITE_SKIPS
-        int last;
-        next_run(fraction, inverse_step, full_steps, k, last);
-#else
-        int last = full_steps;
+        next_run(fraction, inverse_step, total, count, k, last);
 #endif
+        if (k != follows) find_labels(float(k) * u_step);
         while (k < last) {
             float begin = float(k) * u_step;
-            take_samples(begin + fraction * u_step, begin, u_step);
+            // the last segment is shorter, and so its sample lies elsewhere
+            float segment_length = min(u_step, total - begin);
+            take_samples(begin + fraction * segment_length, begin, segment_length);
             ++k;
-            if (layers_add(u_step, true)) { done = true; break; }
+            if (layers_add(segment_length)) { done = true; break; }
         }
-    }
-    // VTK leaves the last segment out when it samples the far ends of steps
-    if (!done && (u_first_sample < 1.0 || u_jitter)) {
-        float begin = float(full_steps) * u_step, rest = total - begin;
-        take_samples(begin + fraction * rest, begin, rest);
-        layers_add(rest, false);
+        follows = k;
     }
     return layers_end();
 }

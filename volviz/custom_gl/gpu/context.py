@@ -151,6 +151,15 @@ class Gpu:
         self.uploads += 1
         return texture
 
+    def segments_texture(self, texels: npt.NDArray[np.int32]) -> Any:
+        """A texture of `segment_texels`, perhaps in several rows."""
+        height, width, _ = texels.shape
+        texture = self.gl.texture((width, height), 4, np.ascontiguousarray(texels).tobytes(), dtype="i4")
+        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        texture.repeat_x = texture.repeat_y = False
+        self.uploads += 1
+        return texture
+
     def release(self) -> None:
         """Release everything; the context must be current."""
         self.forget_programs()
@@ -158,3 +167,27 @@ class Gpu:
         if self._blank is not None:
             self._blank.release()
             self._blank = None
+
+
+def segment_texels(table: npt.NDArray[np.float32]) -> npt.NDArray[np.int32]:
+    """A table of colours as segments between neighbouring entries: both ends in one texel, which one lookup reads.
+
+    Parameters
+    ----------
+    table : ndarray of shape (1, N, 4), float32
+        Straight red, green, blue, opacity in 0..1; at least two entries.
+
+    Returns
+    -------
+    ndarray of shape (1, N - 1, 4), int32
+        For the first and the second end: red in the lowest 13 bits, then 13 of green and the lower 6 of blue; for both
+        ends: the bits of the opacity as a 32-bit float, in whose lowest 7 stand the upper ones of blue.
+    """
+    colors = np.rint(np.clip(table[..., :3], 0.0, 1.0) * 8191.0).astype(np.uint32)
+    red, green, blue = np.moveaxis(colors, -1, 0)
+    words = red | green << np.uint32(13) | (blue & np.uint32(63)) << np.uint32(26)
+    opacities = np.ascontiguousarray(table[..., 3], np.float32).view(np.uint32)
+    # to the nearest of those that are left
+    opacities = (opacities + np.uint32(64)) & ~np.uint32(127) | blue >> np.uint32(6)
+    ends = [words[:, :-1], words[:, 1:], opacities[:, :-1], opacities[:, 1:]]
+    return np.stack(ends, axis=-1).view(np.int32)

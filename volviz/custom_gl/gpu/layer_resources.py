@@ -6,6 +6,7 @@ curves are rows of one table, and the fields of empty space of all lattices lie 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
@@ -16,20 +17,24 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.label_resources import LabelResources
 from volviz.custom_gl.gpu.resources import (
     SLAB_BYTES,
     SampledFrame,
     VolumeResources,
+    distance_codes,
     distance_texture,
     empty_scalars,
     texel_limits,
 )
-from volviz.custom_gl.lattices import lattice_numbers
+from volviz.custom_gl.lattices import is_same_lattice
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
-from volviz.kernels.bricks import brick_grid_shape
+from volviz.kernels.bricks import brick_grid_shape, grow_occupancy
+from volviz.model.label_palette import ShownLabels
 from volviz.model.layers import LayerMode
-from volviz.model.transfer.tables import baked
+from volviz.model.transfer.function import MAX_TABLE
+from volviz.model.transfer.tables import baked, rows_of
 from volviz.volume_data.scalars import BRICK, texture_data_of
 from volviz.volume_data.volume import Volume
 
@@ -44,8 +49,8 @@ class LayerFrame(SampledFrame, Protocol):
     """What of the frame of one layer is read here."""
 
     uniforms: dict[str, Any]
-    resources: VolumeResources
     mode: LayerMode
+    labels: ShownLabels | None
 
     @property
     def world_to_texture(self) -> npt.NDArray[np.float64]:
@@ -90,13 +95,22 @@ class Arrangement:
         return pack[0], pack.index(layer)
 
 
-def arranged(gpu: Gpu, volumes: Sequence[Volume]) -> Arrangement:
+def arranged(gpu: Gpu, images: Sequence[Volume], labels: Sequence[LabelResources]) -> Arrangement:
     """Layers of one lattice and of equal texels, four to a texture."""
-    lattices = lattice_numbers(volumes)
+    texels = [texture_data_of(volume, *texel_limits(gpu, volume, alone=False)) for volume in images]
+    texels += [each.texels for each in labels]
+    volumes = [*images, *(each.volume for each in labels)]
+
+    def is_same(one: int, other: int) -> bool:
+        mapped = zip(texels[one].index_to_texture, texels[other].index_to_texture, strict=True)
+        same = all(np.array_equal(first, second) for first, second in mapped)
+        return same and is_same_lattice(volumes[one], volumes[other])
+
+    numbers = range(len(volumes))
+    lattices = tuple(next(first for first in numbers if is_same(first, n)) for n in numbers)
     alike: dict[Any, list[int]] = {}
-    for number, volume in enumerate(volumes):
-        texels = texture_data_of(volume, *texel_limits(gpu, volume))
-        alike.setdefault((lattices[number], texels.format, texels.data.shape), []).append(number)
+    for n in numbers[: len(images)]:
+        alike.setdefault((lattices[n], texels[n].format, texels[n].data.shape), []).append(n)
     packs = [tuple(same[i : i + PACK]) for same in alike.values() for i in range(0, len(same), PACK)]
     return Arrangement(lattices, tuple(packs))
 
@@ -112,7 +126,7 @@ class PackedScalars:
 
     def __init__(self, gpu: Gpu, volumes: Sequence[Volume]) -> None:
         self._gpu = gpu
-        self._data = [texture_data_of(volume, *texel_limits(gpu, volume)) for volume in volumes]
+        self._data = [texture_data_of(volume, *texel_limits(gpu, volume, alone=False)) for volume in volumes]
         self.texture = empty_scalars(gpu, self._data[0], len(volumes), volumes[0].name)
         self._uploaded = 0
 
@@ -136,28 +150,37 @@ class PackedScalars:
 class LayerResources:
     """Textures of several layers, in the order in which they are drawn.
 
+    Parameters
+    ----------
+    gpu : Gpu
+        Where they are.
+    images, labels : sequences of Volume
+        Data of the image layers and, counted on from those, of the layers of labels.
+
     Attributes
     ----------
-    layers : tuple of VolumeResources
-        What belongs to one of them: mapping of texels, tables of regions, bricks.
+    layers : tuple of VolumeResources or LabelResources
+        What belongs to one of them: mapping of texels, tables of regions, palettes, bricks.
     arrangement : Arrangement
         Which textures they share.
     """
 
     coarsest = 0
 
-    def __init__(self, gpu: Gpu, volumes: Sequence[Volume]) -> None:
+    def __init__(self, gpu: Gpu, images: Sequence[Volume], labels: Sequence[Volume]) -> None:
         self.gpu = gpu
-        self.arrangement = arranged(gpu, volumes)
+        self._labels = [LabelResources(gpu, volume) for volume in labels]
+        self.arrangement = arranged(gpu, images, self._labels)
         units = int(gpu.gl.info["GL_MAX_TEXTURE_IMAGE_UNITS"])
-        if len(self.arrangement.packs) + 3 > units:
+        if len(self.arrangement.packs) + 2 * len(labels) + 3 > units:
             raise RenderError(
-                f"the graphics driver reads {units} textures at once, and {len(volumes)} layers with voxels in "
-                "different places need more; hide some."
+                f"the graphics driver reads {units} textures at once, and {len(images) + len(labels)} layers with "
+                "voxels in different places need more; hide some."
             )
-        self._packs = [PackedScalars(gpu, [volumes[n] for n in pack]) for pack in self.arrangement.packs]
+        self._packs = [PackedScalars(gpu, [images[n] for n in pack]) for pack in self.arrangement.packs]
         pack_of = {n: p for pack, p in zip(self.arrangement.packs, self._packs, strict=True) for n in pack}
-        self.layers = tuple(VolumeResources(gpu, volume, pack_of[n]) for n, volume in enumerate(volumes))
+        self._images = [VolumeResources(gpu, volume, pack_of[n]) for n, volume in enumerate(images)]
+        self.layers: tuple[VolumeResources | LabelResources, ...] = (*self._images, *self._labels)
         self._tables: tuple[Any, Any] | None = None
         self._distances: tuple[Any, Any] | None = None
 
@@ -168,14 +191,15 @@ class LayerResources:
 
     @property
     def complete(self) -> bool:
-        """Whether all scalars are on the GPU."""
-        return all(pack.complete for pack in self._packs)
+        """Whether all scalars and labels are on the GPU."""
+        return all(pack.complete for pack in self._packs) and all(each.complete for each in self._labels)
 
     def upload(self, max_bytes: int | None = None) -> bool:
-        """Upload one further slab of scalars, or all for None; True when all are there."""
-        for pack in self._packs:
-            while not pack.complete:
-                pack.upload_slab()
+        """Upload one further slab of scalars or labels, or all for None; True when all are there."""
+        parts: list[PackedScalars | LabelResources] = [*self._packs, *self._labels]
+        for part in parts:
+            while not part.complete:
+                part.upload_slab()
                 if max_bytes is not None:
                     return self.complete
         return True
@@ -188,7 +212,12 @@ class LayerResources:
         across, first_planes = self._atlas()
         found: list[dict[str, Any]] = []
         for number, layer in enumerate(frame.layers):
-            edges = {"u_table_entry": 1.0 / width} if layer.transfer_function.by_gradient is None else {}
+            edges = {}
+            if layer.labels is None and layer.transfer_function.by_gradient is None:
+                edges = {
+                    "u_table_entry": 1.0 / min(width, MAX_TABLE),
+                    "u_table_row": 1.0 / (sum(one.labels is None for one in frame.layers) * rows_of(width)),
+                }
             found.append(
                 edges
                 | {
@@ -208,33 +237,32 @@ class LayerResources:
 
     @staticmethod
     def _table_width(layers: Sequence[LayerFrame]) -> int:
-        return max(
-            (
-                int(layer.uniforms["u_table_last"]) + 1
-                for layer in layers
-                if layer.transfer_function.by_gradient is None
-            ),
-            default=1,
-        )
+        return max(_entries(layers), default=1)
 
     def bind(self, program: Program, frame: JointFrame) -> None:
         """Bind every texture that a program of several layers asks for."""
-        for number, layer in enumerate(frame.layers):
-            layer.resources.bind(program, layer, layer=number)
+        for number, (layer, resources) in enumerate(zip(frame.layers, self.layers, strict=True)):
+            if isinstance(resources, VolumeResources):
+                resources.bind(program, layer, layer=number)
+            elif layer.labels is not None:
+                resources.bind(program, layer.labels.look, number)
         if "t_layer_tables" in program.units:
             program.use_texture("t_layer_tables", self._table(frame))
         if "t_layer_distances" in program.units:
             program.use_texture("t_layer_distances", self._distance(frame))
 
     def _table(self, frame: JointFrame) -> Any:
-        functions = tuple(layer.transfer_function for layer in frame.layers)
+        images = [layer for layer in frame.layers if layer.labels is None]
+        functions = tuple(layer.transfer_function for layer in images)
         if self._tables is None or self._tables[0] != functions:
-            rows = np.zeros((len(functions), self._table_width(frame.layers), 4), np.float32)
-            for row, layer in zip(rows, frame.layers, strict=True):
+            width = self._table_width(images)
+            height, width = rows_of(width), min(width, MAX_TABLE)
+            rows = np.zeros((len(functions), height * width, 4), np.float32)
+            for row, layer in zip(rows, images, strict=True):
                 if layer.transfer_function.by_gradient is None:
                     texels = baked(layer.transfer_function, layer.volume).texels[0]
                     row[: len(texels)] = texels
-            texture = self.gpu.table_texture(rows)
+            texture = self.gpu.table_texture(rows.reshape(-1, width, 4))
             # rows belong to different layers
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
             self._tables = self._instead(self._tables, functions, texture)
@@ -242,19 +270,40 @@ class LayerResources:
 
     def _distance(self, frame: JointFrame) -> Any:
         added = [n for n, layer in enumerate(frame.layers) if layer.mode == "add"]
-        key = tuple((n, self.layers[n].occupancy_key(frame.layers[n])) for n in added)
+        key = tuple((n, self._visible_key(n, frame.layers[n])) for n in added)
         if self._distances is None or self._distances[0] != key:
             across, first_planes = self._atlas()
             codes = np.zeros(across[::-1], np.float32)
             for lead, first in first_planes.items():
-                z, y, x = brick_grid_shape(self.layers[lead].volume.array.shape, BRICK)
-                occupied = np.zeros((z, y, x), bool)
+                shape = brick_grid_shape(self.layers[lead].volume.array.shape, BRICK)
+                occupied = np.zeros(shape, bool)
                 for n in added:
                     if self.arrangement.lattices[n] == lead:
-                        occupied |= self.layers[n].occupied(frame.layers[n])
-                codes[first : first + z, :y, :x] = self.layers[lead].distance_codes(occupied)
+                        occupied |= self._visible(n, frame.layers[n])
+                z, y, x = shape
+                codes[first : first + z, :y, :x] = distance_codes(
+                    occupied, max(self.layers[lead].texels.factor)
+                )
             self._distances = self._instead(self._distances, key, distance_texture(self.gpu, codes))
         return self._distances[1]
+
+    def _visible_key(self, n: int, layer: LayerFrame) -> Any:
+        """What `_visible` depends on."""
+        resources = self.layers[n]
+        if isinstance(resources, VolumeResources):
+            return resources.occupancy_key(layer)
+        return layer.labels, layer.step_world
+
+    def _visible(self, n: int, layer: LayerFrame) -> npt.NDArray[np.bool_]:
+        """Bricks of a layer in which anything may be seen."""
+        resources = self.layers[n]
+        if isinstance(resources, VolumeResources):
+            return resources.occupied(layer)
+        assert layer.labels is not None
+        found = resources.visible_bricks(layer.labels.look)
+        # a border is looked for along whole segments, half a step to either side of a sample
+        beyond = math.ceil(max(0.5 * layer.step_world / min(layer.volume.spacing) - 1.0, 0.0) / BRICK)
+        return grow_occupancy(found, beyond) if beyond else found
 
     @staticmethod
     def _instead(held: tuple[Any, Any] | None, key: Any, texture: Any) -> tuple[Any, Any]:
@@ -274,22 +323,43 @@ class LayerResources:
         self._tables = self._distances = None
 
 
+def _entries(layers: Sequence[LayerFrame]) -> list[int]:
+    """Number of entries of the table of each layer that has one over the value."""
+    return [
+        int(layer.uniforms["u_table_last"]) + 1
+        for layer in layers
+        if layer.labels is None and layer.transfer_function.by_gradient is None
+    ]
+
+
 def layer_defines(arrangement: Arrangement, layers: Sequence[LayerFrame]) -> dict[str, object]:
     """What ``glsl/march_layers.glsl`` must know of the layers of a frame."""
-    defines: dict[str, object] = {"LAYERS": len(layers), "LATTICES": len(arrangement.leads)}
+    images = [layer for layer in layers if layer.labels is None]
+    height = rows_of(max(_entries(layers), default=1))
+    defines: dict[str, object] = {
+        "LAYERS": len(images), "LABELS": len(layers) - len(images), "LATTICES": len(arrangement.leads),
+        "TABLE_FOLDED": height > 1,
+    }  # fmt: skip
     for n, layer in enumerate(layers):
         lead = arrangement.lattices[n]
-        pack, component = arrangement.component(n)
         own: dict[str, object] = {
             "LATTICE": lead,
             "MODE": ("add", "mask", "modulate").index(layer.mode),
-            "PACK": layer_name("t_scalars", pack),
-            "COMPONENT": component,
             "AT_LATTICE": layer_name("g_at", lead),
             "SHARE_OF_LATTICE": layer_name("g_share", lead),
-            "TABLE": "t_layer_tables",
-            "TABLE_ROW": (n + 0.5) / len(layers),
         }
+        if layer.labels is None:
+            pack, component = arrangement.component(n)
+            own |= {
+                "PACK": layer_name("t_scalars", pack), "COMPONENT": component,
+                "TABLE": "t_layer_tables", "TABLE_ROW": (n + 0.5) / len(images),
+                "TABLE_BASE": float(n * height),
+            }  # fmt: skip
+        else:
+            own |= {
+                "SMOOTH": layer.labels.smooth, "ON_LATTICE": layer_name("on_lattice", lead),
+                "IN_LATTICE": layer_name("in_lattice", lead),
+            }  # fmt: skip
         if lead == n:
             on_it = [other for m, other in enumerate(layers) if arrangement.lattices[m] == n]
             own["ADDS"] = any(other.mode == "add" for other in on_it)

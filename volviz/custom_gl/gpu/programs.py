@@ -21,6 +21,7 @@ UNITS = {
     "t_scene_depth": 2,
     "t_distance": 3,
     "t_preintegrated": 4,
+    "t_segments": 1,  # a program reads the curve or regions
 }
 #: First unit that is free for a technique's own samplers.
 FIRST_FREE_UNIT = 5

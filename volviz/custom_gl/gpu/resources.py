@@ -10,7 +10,8 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.context import Gpu, segment_texels
+from volviz.custom_gl.gpu.corner_texels import CORNERS, empty_corners, holds_corners, with_neighbours
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.brick_gradients import occupancy_2d, visible_plane_sums
@@ -21,8 +22,8 @@ from volviz.kernels.bricks import (
     occupancy_for_isovalues,
     visible_prefix,
 )
-from volviz.model.transfer.function import TransferFunction, table_size
-from volviz.model.transfer.tables import Table, baked, plane_ranges, table_entries
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction
+from volviz.model.transfer.tables import Table, baked, plane_ranges, rows_of, table_entries
 from volviz.tasks import LatestResult, Tasks
 from volviz.volume_data.scalars import (
     BRICK,
@@ -94,7 +95,9 @@ class VolumeResources:
     def __init__(self, gpu: Gpu, volume: Volume, pack: ScalarPack | None = None) -> None:
         self.gpu = gpu
         self.volume = volume
-        self.texels: TextureData = texture_data_of(volume, *texel_limits(gpu, volume))
+        self._limits = texel_limits(gpu, volume, alone=pack is None)
+        self.texels: TextureData = texture_data_of(volume, *self._limits)
+        self._has_corners = pack is None and takes_corners(gpu, volume)
         self._uploaded = 0
         self._pack = pack
         self.scalars = self._empty_scalars(self.texels) if pack is None else pack.texture
@@ -106,7 +109,16 @@ class VolumeResources:
 
     # ------------------------------------------------------------------ scalars
 
+    @property
+    def fetch(self) -> str:
+        """File of the hook that reads the scalars."""
+        if not self._has_corners:
+            return "fetch/texture.glsl"
+        return "fetch/corners8.glsl" if self.texels.format == "u1" else "fetch/corners16.glsl"
+
     def _empty_scalars(self, texels: TextureData) -> Any:
+        if self._has_corners:
+            return empty_corners(self.gpu.gl, texels.data)
         return empty_scalars(self.gpu, texels, 1, self.volume.name)
 
     @property
@@ -123,17 +135,22 @@ class VolumeResources:
             Stop after about that many bytes; None uploads everything.
         """
         data, texture = self._levels[0][0].data, self._levels[0][1]
-        plane = data[0].nbytes
+        plane = data[0].nbytes * (CORNERS if self._has_corners else 1)
         done = 0
         while not self.complete and (max_bytes is None or done < max_bytes):
             count = min(max(SLAB_BYTES // plane, 1), len(data) - self._uploaded)
-            slab = data[self._uploaded : self._uploaded + count]
+            stop = self._uploaded + count
+            slab = self._stored(data, self._uploaded, stop)
             x, y = data.shape[2], data.shape[1]
             texture.write(slab, viewport=(0, 0, self._uploaded, x, y, count), alignment=1)
             self._uploaded += count
             done += slab.nbytes
             self.gpu.uploads += 1
         return self.complete
+
+    def _stored(self, data: npt.NDArray[Any], start: int, stop: int) -> npt.NDArray[Any]:
+        """Planes as they are uploaded."""
+        return with_neighbours(data, start, stop) if self._has_corners else data[start:stop]
 
     @property
     def full_factor(self) -> tuple[int, int, int]:
@@ -145,15 +162,15 @@ class VolumeResources:
         """Number of the coarsest level of detail."""
         if self._pack is not None:
             return 0
-        return len(levels_of(self.volume, *texel_limits(self.gpu, self.volume))) - 1
+        return len(levels_of(self.volume, *self._limits)) - 1
 
     def select(self, level: int) -> None:
         """Let `texels` and `scalars` be those of a level of detail, 0 = full; coarser ones are small."""
         held = self._levels.get(level)
         if held is None:
-            texels = levels_of(self.volume, *texel_limits(self.gpu, self.volume))[level]
+            texels = levels_of(self.volume, *self._limits)[level]
             texture = self._empty_scalars(texels)
-            texture.write(texels.data, alignment=1)
+            texture.write(self._stored(texels.data, 0, len(texels.data)), alignment=1)
             self.gpu.uploads += 1
             held = self._levels[level] = (texels, texture)
         self.texels, self.scalars = held
@@ -177,7 +194,10 @@ class VolumeResources:
 
         def make() -> Any:
             table = self._baked(transfer_function, interactive=interactive)
-            return self.gpu.table_texture(table.texels if length is None else table.per_length(length))
+            texels = table.texels if length is None else table.per_length(length)
+            if table.gradients is None:
+                return self.gpu.segments_texture(Table.folded(segment_texels(texels)))
+            return self.gpu.table_texture(texels)
 
         key = (transfer_function, length, interactive and transfer_function.by_gradient is not None)
         return self._cached(self._tables, "table" if length is None else "table per length", key, make)
@@ -188,7 +208,7 @@ class VolumeResources:
 
         def make() -> Any:
             data_range = self._preintegration_range(transfer_function)
-            table = transfer_function.bake(data_range, self._entries(data_range))
+            table = transfer_function.bake(data_range, self._entries(transfer_function, data_range))
             table[: self._below(threshold, data_range, len(table)), 3] = 0.0
             return self.gpu.table_texture(preintegration_table(table, 1.0, size))
 
@@ -196,7 +216,7 @@ class VolumeResources:
 
     def _below(self, threshold: float, data_range: tuple[float, float], entries: int) -> int:
         """Number of entries of a table over a range that lie below a density threshold."""
-        (low, high), (first, last) = self.volume.range, data_range
+        (low, high), (first, last) = self.volume.bulk_range, data_range
         share = (low + threshold * (high - low) - first) / (last - first) if last > first else 0.0
         return min(max(int(np.ceil(share * (entries - 1))), 0), entries) if threshold > 0 else 0
 
@@ -207,8 +227,12 @@ class VolumeResources:
             self._last_table = (key, baked(transfer_function, self.volume, interactive=interactive))
         return self._last_table[1]
 
-    def _entries(self, data_range: tuple[float, float]) -> int:
-        return table_size(data_range, self.volume.array.dtype.kind in "iu")
+    def _entries(self, function: TransferFunction, data_range: tuple[float, float]) -> int:
+        return function.table_size(data_range, integer=self.volume.array.dtype.kind in "iu")
+
+    def folds_table(self, function: TransferFunction) -> bool:
+        """Whether the table of a function takes several rows of its texture."""
+        return function.by_gradient is None and rows_of(table_entries(function, self.volume)[0]) > 1
 
     def table_uniforms(self, transfer_function: TransferFunction, *, interactive: bool) -> dict[str, Any]:
         """Uniforms of ``glsl/classification.glsl`` that say where a value and a gradient lie in the table."""
@@ -218,10 +242,11 @@ class VolumeResources:
             return {
                 "u_table_map": self._lookup(data_range),
                 "u_table_last": float(columns - 1),
-                "u_table_entry": 1.0 / columns,
+                "u_table_segment": 1.0 / min(columns - 1, MAX_TABLE),
+                "u_table_row": 1.0 / rows_of(columns - 1),
             }
         values, gradients = plane_ranges(transfer_function.by_gradient, self.volume)
-        low, high = self.volume.range
+        low, high = self.volume.bulk_range
         height = gradients[1] - gradients[0]
         return {
             "u_table_map": self._lookup(values),
@@ -231,8 +256,8 @@ class VolumeResources:
         }
 
     def _lookup(self, data_range: tuple[float, float]) -> tuple[float, float]:
-        """From fractions of the data range to positions in a table: scale and offset."""
-        (low, high), (first, last) = self.volume.range, data_range
+        """From fractions of the bulk's range to positions in a table: scale and offset."""
+        (low, high), (first, last) = self.volume.bulk_range, data_range
         span = last - first if last > first else 1.0
         return (high - low) / span, (low - first) / span
 
@@ -316,18 +341,7 @@ class VolumeResources:
         return self._cached(self._distances, slot, key, make)
 
     def _distance_texture(self, occupied: Any) -> Any:
-        return distance_texture(self.gpu, self.distance_codes(occupied))
-
-    def distance_codes(self, occupied: Any) -> npt.NDArray[np.float32]:
-        """The field of empty space as ``glsl/empty_space.glsl`` reads it, shape (b_z, b_y, b_x)."""
-        coarse = max(self.texels.factor)
-        if coarse > 1:
-            # texels of a reduced volume mix voxels from farther away than the bricks' own margin
-            occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
-        empty = np.minimum(chessboard_distance(occupied), 127)
-        visible = np.minimum(chessboard_distance(~occupied), 128) + 127
-        # as floats: they need no unpacking where OpenGL is computed in software
-        return np.where(occupied, visible, empty).astype(np.float32)
+        return distance_texture(self.gpu, distance_codes(occupied, max(self.texels.factor)))
 
     @property
     def gradient_scale(self) -> float:
@@ -357,9 +371,15 @@ class VolumeResources:
             return layer_name(name, layer) in program.units
 
         program.use_texture("t_scalars", self.scalars, layer)
-        if asked("t_table"):
-            table = self.table(frame.transfer_function, length=table_length, interactive=frame.interactive)
-            program.use_texture("t_table", table, layer)
+        if self._has_corners:
+            z, y, x = self.texels.data.shape
+            program.set({"u_texels": (x, y, z), "u_texel": (1.0 / x, 1.0 / y, 1.0 / z)}, layer)
+        for name in ("t_segments", "t_table"):
+            if asked(name):
+                table = self.table(
+                    frame.transfer_function, length=table_length, interactive=frame.interactive
+                )
+                program.use_texture(name, table, layer)
         if "t_scene_depth" in program.units:
             program.use_texture("t_scene_depth", frame.scene_depth)
         if asked("t_preintegrated"):
@@ -383,14 +403,7 @@ class VolumeResources:
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""
-        scale, _ = self.texels.index_to_texture
-        bricks = [-(-n // BRICK) for n in self.volume.dimensions]
-        return {
-            "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
-            "u_brick_offset": (-0.5 / BRICK,) * 3,
-            "u_last_brick": tuple(n - 1.0 for n in bricks),
-            "u_brick_edge": tuple(1.0 / n for n in bricks),
-        }
+        return brick_uniforms(self.texels, self.volume)
 
     def _cached(self, cache: dict[str, tuple[Any, Any]], slot: str, key: Any, make: Any) -> Any:
         """The texture in a slot, remade when the key is another object or value."""
@@ -413,6 +426,37 @@ class VolumeResources:
             for _, texture in cache.values():
                 texture.release()
             cache.clear()
+
+
+def brick_uniforms(texels: TextureData, volume: Volume) -> dict[str, Any]:
+    """Uniforms of ``glsl/empty_space.glsl``."""
+    scale, _ = texels.index_to_texture
+    bricks = [-(-n // BRICK) for n in volume.dimensions]
+    return {
+        "u_bricks_per_texture": tuple(1.0 / (scale * BRICK)),
+        "u_brick_offset": (-0.5 / BRICK,) * 3,
+        "u_last_brick": tuple(n - 1.0 for n in bricks),
+        "u_brick_edge": tuple(1.0 / n for n in bricks),
+    }
+
+
+def distance_codes(occupied: npt.NDArray[np.bool_], coarse: int = 1) -> npt.NDArray[np.float32]:
+    """A field of empty space as ``glsl/empty_space.glsl`` reads it, shape (b_z, b_y, b_x).
+
+    Parameters
+    ----------
+    occupied : ndarray of shape (b_z, b_y, b_x)
+        Bricks that may be visible.
+    coarse : int
+        Voxels per texel.
+    """
+    if coarse > 1:
+        # texels of a reduced volume mix voxels from farther away than the bricks' own margin
+        occupied = grow_occupancy(occupied, -(-3 * coarse // (2 * BRICK)))
+    empty = np.minimum(chessboard_distance(occupied), 127)
+    visible = np.minimum(chessboard_distance(~occupied), 128) + 127
+    # as floats: they need no unpacking where OpenGL is computed in software
+    return np.where(occupied, visible, empty).astype(np.float32)
 
 
 def empty_scalars(gpu: Gpu, texels: TextureData, components: int, name: str) -> Any:
@@ -454,12 +498,29 @@ def _margin(frame: SampledFrame) -> int:
     return math.ceil((frame.step_world / min(frame.volume.spacing) + 1.0) / BRICK)
 
 
-def texel_limits(gpu: Gpu, volume: Volume) -> tuple[Any, int, int]:
-    """Format and limits with which `texture_data_of` makes the texels that this GPU takes."""
+def takes_corners(gpu: Gpu, volume: Volume) -> bool:
+    """Whether a volume that is drawn alone has its values stored with their neighbours (`corner_texels`)."""
+    dtype = volume.array.dtype
+    if not gpu.limits.software or dtype.kind == "f":
+        return False
+    return holds_corners(volume.array.size, dtype.itemsize, gpu.max_texture_bytes)
+
+
+def texel_limits(gpu: Gpu, volume: Volume, *, alone: bool) -> tuple[Any, int, int]:
+    """Format and limits with which `texture_data_of` makes the texels that this GPU takes.
+
+    Parameters
+    ----------
+    gpu : Gpu
+    volume : Volume
+    alone : bool
+        It has a texture to itself.
+    """
     kind = choose_format(
         volume.array.dtype,
         volume.array.size,
         precise_bytes=not gpu.limits.software and gpu.filters_bytes_precisely,
         software=gpu.limits.software,
+        interpolates=alone and takes_corners(gpu, volume),
     )
     return kind, gpu.limits.max_3d_texture, gpu.max_texture_bytes

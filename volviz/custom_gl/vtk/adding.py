@@ -9,6 +9,7 @@ from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.resolve import Volumes
 from volviz.custom_gl.vtk.frame_scheduling import FrameScheduler
 from volviz.custom_gl.vtk.handle import VolumeHandle, handles_of
+from volviz.custom_gl.vtk.plotter_scale import Scale, listen_to_scale
 from volviz.custom_gl.vtk.vtk_imports import pyvista
 from volviz.errors import InputError
 from volviz.model.clipping import Clipping
@@ -89,6 +90,13 @@ def add_spec(
         raise InputError("the plotter is closed and shows nothing any more; make a new one.")
     handle = VolumeHandle(plotter, spec, volumes, pacer)
     release_on_close(plotter)
+    renderer = plotter.renderer
+
+    def stretch(scale: Scale) -> None:
+        for shown in handles_of(renderer):
+            shown.stretch(scale)
+
+    listen_to_scale(renderer, stretch)
     return handle
 
 

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 Matrix = npt.NDArray[np.float64]
 
+#: Below any scalar.
+LARGEST_FLOAT = 3e38
+
 
 def shared_uniforms(frame: Frame) -> dict[str, Any]:
     """Values of the uniforms declared in ``glsl/``, by name; matrices are float64 arrays, row-major."""
@@ -36,7 +39,8 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_voxels": tuple(1.0 / scale),
         "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
         "u_gradient_delta": common.gradient_delta,
-        "u_density_threshold": common.density_threshold,
+        # 0 leaves nothing out, not even what lies below the bulk of the values
+        "u_density_threshold": common.density_threshold or -LARGEST_FLOAT,
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,
         "u_gradient_opacity": common.gradient_opacity,
         "u_inverse_gradient_scale": 1.0,

@@ -11,6 +11,7 @@ from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.layer_resources import LayerResources
 from volviz.custom_gl.gpu.resources import VolumeResources
 from volviz.custom_gl.gpu.targets import Target
+from volviz.custom_gl.layer_set import ResolvedLabels, ResolvedLayer
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.vtk.frame_scheduling import FULL, QualityLevel
@@ -68,19 +69,19 @@ def make_frame(
     """
     width, height, _, _ = view.rectangle()
     joint = textures if isinstance(textures, LayerResources) else None
-    first = shown.layers[0]
+    volume = shown.volumes[0]
     frame = Frame(
         gpu=gpu,
         target=target,
         size=target.size,
         window_size=(width, height),
-        volume=first.volume,
+        volume=volume,
         resources=cast(VolumeResources, textures if joint is None else joint.layers[0]),
-        transfer_function=first.drawn_function,
+        transfer_function=shown.layers[0].drawn_function if shown.layers else shown.drawn_function,
         settings=shown.settings,
         common=shown.common,
         isovalues=shown.isovalues,
-        unit_distance=shown.unit_distance_of(first.volume),
+        unit_distance=shown.unit_distance_of(volume),
         camera=jittered_camera(view.camera(), target.size, sequence),
         light_position=np.array(shown.light_position),
         light_color=shown.light.color,
@@ -114,15 +115,16 @@ def _add_layers(frame: Frame, shown: ResolvedSpec, joint: LayerResources) -> Non
         replace(
             frame,
             volume=layer.volume,
-            resources=resources,
-            transfer_function=layer.drawn_function,
+            resources=cast(VolumeResources, resources),
+            transfer_function=layer.drawn_function if isinstance(layer, ResolvedLayer) else layer.FUNCTION,
             unit_distance=shown.unit_distance_of(layer.volume),
             crop=shown.crop if shown.is_one_lattice else Clipping().crop_within(layer.volume.dimensions),
             mode=layer.mode,
+            labels=layer.shown if isinstance(layer, ResolvedLabels) else None,
             joined_to=frame,
             joint=None,
         )
-        for layer, resources in zip(shown.layers, joint.layers, strict=True)
+        for layer, resources in zip(shown.all_layers, joint.layers, strict=True)
     )
     for layer_frame in frame.layers:
         own = shared_uniforms(layer_frame)

@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from volviz.custom_gl.arguments import changed_spec
 from volviz.custom_gl.picking import Picked, Sight, first_visible
-from volviz.custom_gl.resolve import Volumes, resolve
+from volviz.custom_gl.resolve import ResolvedSpec, Volumes, resolve
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.vtk.frame_scheduling import FrameScheduler, Quality
 from volviz.custom_gl.vtk.manipulators import Manipulators
+from volviz.custom_gl.vtk.plotter_scale import Scale, scale_of, stretched
 from volviz.custom_gl.vtk.view_renderer import ViewRenderer, view_renderers_of
 from volviz.errors import SettingError
 from volviz.model.clipping import Clipping
@@ -40,10 +41,21 @@ class VolumeHandle(ViewRenderer):
     def __init__(
         self, plotter: Any, spec: RenderSpec, volumes: Volumes | None, scheduler: FrameScheduler | None
     ) -> None:
-        super().__init__(plotter.renderer, plotter.render_window, resolve(spec, volumes), scheduler)
+        self._scale = scale_of(plotter.renderer)
+        shown = self._resolved(spec, volumes)
+        super().__init__(plotter.renderer, plotter.render_window, shown, scheduler)
         self.plotter = plotter
         self._volumes = volumes
         self.manipulators: Manipulators | None = None
+
+    def _resolved(self, spec: RenderSpec, volumes: Volumes | None) -> ResolvedSpec:
+        return replace(resolve(stretched(spec, self._scale), volumes), spec=spec)
+
+    def stretch(self, scale: Scale) -> None:
+        """Stretch the volume along x, y, z, as `Plotter.set_scale` does with actors."""
+        if scale != self._scale:
+            self._scale = scale
+            self._show_instead(self._resolved(self.spec, self._volumes).keeping(self._shown))
 
     # ------------------------------------------------------------------ values
 
@@ -54,7 +66,7 @@ class VolumeHandle(ViewRenderer):
 
     @property
     def volume(self) -> Volume:
-        """The data shown."""
+        """The data shown, where `Plotter.set_scale` has put them."""
         return self._shown.volume
 
     @property
@@ -142,7 +154,7 @@ class VolumeHandle(ViewRenderer):
         VolvizError
             A value does not fit; nothing is changed then.
         """
-        shown = resolve(spec, self._volumes if volumes is None else volumes)
+        shown = self._resolved(spec, self._volumes if volumes is None else volumes)
         if self.error is None and spec == self._shown.spec and shown.volumes == self._shown.volumes:
             return
         self._volumes = volumes or self._volumes

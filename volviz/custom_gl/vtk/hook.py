@@ -27,6 +27,13 @@ HOOK_ACTORS: set[int] = set()
 _UNIT_CUBE = np.array([[c & 1, c >> 1 & 1, c >> 2 & 1] for c in range(8)], float) - 0.5
 
 
+class _PlacedActor(vtk.vtkActor):  # type: ignore[misc]
+    """Stands where its user matrix puts it: volumes follow `Plotter.set_scale` by themselves."""
+
+    def SetScale(self, *_scale: Any) -> None:  # noqa: N802
+        """Leave the actor as it is; PyVista would stretch it about its middle."""
+
+
 class Hook:
     """Calls back once per drawing of the renderer's translucent step.
 
@@ -42,7 +49,7 @@ class Hook:
         self.renderer = renderer
         # first of all, since it may refuse
         self.install()
-        self.actor = vtk.vtkActor()
+        self.actor = _PlacedActor()
         self._mapper = vtk.vtkPolyDataMapper()
         # bare points: faces that nobody sees would still be shaded, pixel by pixel, all over the view
         self._mapper.SetInputData(vtk.pyvista.PolyData(_UNIT_CUBE))

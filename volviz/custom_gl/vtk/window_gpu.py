@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -13,6 +13,7 @@ from volviz.custom_gl.gpu.layer_resources import LayerResources
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.tasks import Done, LatestResult, Tasks
+from volviz.volume_data.label_indices import are_labels_known, label_indices_of
 from volviz.volume_data.scalars import is_prepared, prepare
 from volviz.volume_data.volume import Volume
 
@@ -35,7 +36,7 @@ class WindowGpu:
         self.window = window
         self.users = 0
         self._gpu: Gpu | None = None
-        self._volumes: dict[tuple[int, ...], tuple[VolumeResources | LayerResources, int]] = {}
+        self._volumes: dict[Hashable, tuple[VolumeResources | LayerResources, int]] = {}
 
     @property
     def gpu(self) -> Gpu:
@@ -55,20 +56,22 @@ class WindowGpu:
         """Whether anything was put on the GPU."""
         return self._gpu is not None
 
-    def resources(self, volumes: Sequence[Volume]) -> VolumeResources | LayerResources:
-        """Textures of a volume, or of several that are drawn together; every caller returns them by `drop` once."""
-        key = tuple(id(volume) for volume in volumes)
+    def resources(
+        self, images: Sequence[Volume], labels: Sequence[Volume]
+    ) -> VolumeResources | LayerResources:
+        """Textures of a volume, or of layers that are drawn together; every caller returns them by `drop` once."""
+        key = _key(images, labels)
         held = self._volumes.get(key)
         if held is None:
-            one = len(volumes) == 1
-            made = VolumeResources(self.gpu, volumes[0]) if one else LayerResources(self.gpu, volumes)
+            one = len(images) == 1 and not labels
+            made = VolumeResources(self.gpu, images[0]) if one else LayerResources(self.gpu, images, labels)
             held = (made, 0)
         self._volumes[key] = (held[0], held[1] + 1)
         return held[0]
 
-    def drop(self, volumes: Sequence[Volume]) -> None:
+    def drop(self, images: Sequence[Volume], labels: Sequence[Volume]) -> None:
         """Give textures back; those that nobody uses any more are released."""
-        key = tuple(id(volume) for volume in volumes)
+        key = _key(images, labels)
         held, users = self._volumes[key]
         if users > 1:
             self._volumes[key] = (held, users - 1)
@@ -104,6 +107,10 @@ class WindowGpu:
         if self._gpu is not None:
             self._gpu.release()
             self._gpu = None
+
+
+def _key(images: Sequence[Volume], labels: Sequence[Volume]) -> Hashable:
+    return tuple(id(volume) for volume in images), tuple(id(volume) for volume in labels)
 
 
 _WINDOWS: dict[str, WindowGpu] = {}
@@ -148,6 +155,10 @@ NO_TEXTURES = NoTextures()
 Textures = VolumeResources | LayerResources | NoTextures
 
 
+def _images_and_labels(shown: ResolvedSpec) -> tuple[tuple[Volume, ...], tuple[Volume, ...]]:
+    return tuple(layer.volume for layer in shown.layers), tuple(layer.volume for layer in shown.labels)
+
+
 class VolumeTextures:
     """Holds the textures of what is shown: of one volume, or of several layers.
 
@@ -169,35 +180,47 @@ class VolumeTextures:
         self.tasks = Tasks(on_task)
         self._prepared: LatestResult[Any, bool] = LatestResult("scalars", cancels=False)
         self._held: VolumeResources | LayerResources | None = None
-        self._volumes: tuple[Volume, ...] = ()
+        self._volumes: tuple[tuple[Volume, ...], tuple[Volume, ...]] = ((), ())
 
     def are_made(self, shown: ResolvedSpec) -> bool:
         """Whether there are textures for what is shown, or none are needed."""
         if not shown.info.uses_textures:
             return True
-        return self._held is not None and self._volumes == shown.volumes
+        return self._held is not None and self._volumes == _images_and_labels(shown)
 
     def can_be_made(self, shown: ResolvedSpec) -> bool:
         """Whether they can be made without computing texels here first; if not, a task begins to compute them."""
         if self.are_made(shown):
             return True
-        limits = tuple((volume, *texel_limits(self._window_gpu.gpu, volume)) for volume in shown.volumes)
-        if all(is_prepared(*each) for each in limits):
-            return True
-        ready = self._prepared.get(
-            self.tasks, limits, lambda _progress, _cancel: all(prepare(*each) for each in limits)
+        images, labels = _images_and_labels(shown)
+        alone = len(images) == 1 and not labels
+        limits = tuple(
+            (volume, *texel_limits(self._window_gpu.gpu, volume, alone=alone)) for volume in images
         )
-        return ready is not None
+        if all(is_prepared(*each) for each in limits) and all(map(are_labels_known, labels)):
+            # or it would keep the volume that was prepared before this one
+            self._prepared.clear()
+            return True
+
+        def made(_progress: object, _cancel: object) -> bool:
+            for each in limits:
+                prepare(*each)
+            for volume in labels:
+                label_indices_of(volume)
+            return True
+
+        return self._prepared.get(self.tasks, (limits, labels), made) is not None
 
     def of(self, shown: ResolvedSpec) -> Textures:
         """The textures of what is shown, made if need be; those of other volumes are given back."""
         needed = shown.info.uses_textures
-        if self._held is not None and (self._volumes != shown.volumes or not needed):
+        if self._held is not None and (self._volumes != _images_and_labels(shown) or not needed):
             self.release()
         if not needed:
             return NO_TEXTURES
         if self._held is None:
-            self._held, self._volumes = self._window_gpu.resources(shown.volumes), shown.volumes
+            self._volumes = _images_and_labels(shown)
+            self._held = self._window_gpu.resources(*self._volumes)
         return self._held
 
     def upload(self, shown: ResolvedSpec, budget: float) -> bool:
@@ -230,5 +253,5 @@ class VolumeTextures:
     def release(self) -> None:
         """Give them back; the context is current."""
         if self._held is not None:
-            self._window_gpu.drop(self._volumes)
-            self._held, self._volumes = None, ()
+            self._window_gpu.drop(*self._volumes)
+            self._held, self._volumes = None, ((), ())

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 NARROW = 1e-3
 #: So are values beyond these: VTK's shaders and filters square them.
 SMALLEST, LARGEST = 1e-12, 1e12
+#: VTK's volume mappers have tables of even width over all values: outliers farther from the range of the bulk than so
+#: many times its width are brought nearer.
+OUTLIERS = 16.0
 
 Matrix = npt.NDArray[np.float64]
 
@@ -40,6 +43,8 @@ class PlacedImage:
         What it is made from.
     stride : int, default: 1
         Takes every n-th voxel along each axis.
+    for_tables : bool, default: False
+        Bring outliers nearer, for mappers that look values up in tables.
 
     Attributes
     ----------
@@ -53,14 +58,18 @@ class PlacedImage:
         The first axis runs the other way.
     """
 
-    def __init__(self, volume: Volume, stride: int = 1) -> None:
+    def __init__(self, volume: Volume, stride: int = 1, *, for_tables: bool = False) -> None:
         self.volume, self.stride = volume, stride
         self.mirrored = bool(np.linalg.det(volume.direction) < 0)
-        low, high = volume.range
+        low, high = volume.bulk_range if needs_fractions(*volume.range) else volume.range
         #: Data value of 0, and of 1 less that, in the image; None where it holds the values as they are.
-        self._unit = (low, high - low) if needs_fractions(low, high) else None
+        self._unit = (low, high - low) if needs_fractions(*volume.range) else None
+        limits = _table_limits(volume) if for_tables else None
+        first, last = np.clip(volume.range, *limits) if limits else volume.range
+        #: Lowest and highest value of the volume as they stand in the image.
+        self.range = self.value(float(first)), self.value(float(last))
         # held for as long as VTK reads its memory
-        self._scalars = _scalars(volume, stride, self._unit, mirrored=self.mirrored)
+        self._scalars = _scalars(volume, stride, limits, self._unit, mirrored=self.mirrored)
         dimensions = self._scalars.shape[::-1]
         self.image = vtk.vtkImageData()
         self.image.SetDimensions(*dimensions)
@@ -89,12 +98,6 @@ class PlacedImage:
         return replace(function, points=tuple(replace(p, value=self.value(p.value)) for p in function.points))
 
     @property
-    def range(self) -> tuple[float, float]:
-        """Lowest and highest value of the volume as they stand in the image."""
-        low, high = self.volume.range
-        return self.value(low), self.value(high)
-
-    @property
     def matrix(self) -> Any:
         """`to_world` as a vtkMatrix4x4."""
         matrix = vtk.vtkMatrix4x4()
@@ -108,13 +111,30 @@ def needs_fractions(low: float, high: float) -> bool:
     return high > low and not (SMALLEST <= largest <= LARGEST and high - low >= NARROW * largest)
 
 
+def _table_limits(volume: Volume) -> tuple[float, float] | None:
+    """Between which values outliers are brought; None where there are no outliers."""
+    low, high = volume.bulk_range
+    if (low, high) == volume.range:
+        return None
+    reach = OUTLIERS * (high - low)
+    return low - reach, high + reach
+
+
 def _scalars(
-    volume: Volume, stride: int, unit: tuple[float, float] | None, *, mirrored: bool
+    volume: Volume,
+    stride: int,
+    limits: tuple[float, float] | None,
+    unit: tuple[float, float] | None,
+    *,
+    mirrored: bool,
 ) -> npt.NDArray[Any]:
     """The scalars in a type that all mappers take, as memory that VTK accepts; it only reads it."""
     array = volume.finite_array[::stride, ::stride, ::stride]
+    if limits is not None:
+        array = np.clip(array, *limits)
     if unit is not None:
-        array = ((array.astype(np.float64) - unit[0]) / unit[1]).astype(np.float32)
+        fractions = (array.astype(np.float64) - unit[0]) / unit[1]
+        array = np.clip(fractions, -LARGEST, LARGEST).astype(np.float32)
     elif array.dtype.kind in "iu" and array.dtype.itemsize == 8:
         array = array.astype(np.float64)
     array = np.ascontiguousarray(array[:, :, ::-1] if mirrored else array)

@@ -95,7 +95,7 @@ class VolumeProp:
 
     def _place(self, frame: Frame) -> PlacedImage:
         if self._placed is None or self._placed.volume is not frame.volume:
-            self._placed = PlacedImage(frame.volume)
+            self._placed = PlacedImage(frame.volume, for_tables=True)
             self._function = None
             self.mapper.SetInputData(self._placed.image)
             self.prop.SetUserMatrix(self._placed.matrix)

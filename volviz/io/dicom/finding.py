@@ -7,9 +7,7 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-#: A folder is given up after so many files of other kinds when none of them was DICOM: a home folder must not
-#: take minutes.
-FILES_TO_TRY = 20_000
+#: A folder is given up after so many files: a home folder must not take minutes.
 FILES_AT_MOST = 200_000
 FOLDERS_DEEP = 16
 DIRECTORY_NAME = "DICOMDIR"
@@ -52,21 +50,20 @@ def _tag(four: bytes) -> tuple[int, int]:
 def files_below(folder: Path, at_most: int = FILES_AT_MOST) -> Iterator[Path]:
     """DICOM files of a folder: those that its DICOMDIR lists, else all below it that look like DICOM.
 
-    Folders come in order, links are not followed in circles. Gives up after `FILES_TO_TRY` files when none of
-    them was DICOM.
+    Folders come in order, links are not followed in circles. Gives up after `at_most` files.
     """
     directory = next((p for p in folder.iterdir() if p.name.upper() == DIRECTORY_NAME and p.is_file()), None)
     listed = files_of_directory(directory) if directory is not None else []
     if listed:
         yield from listed[:at_most]
         return
-    tried = found = 0
+    tried = 0
     base = len(folder.parts)
     for place, folders, names in os.walk(folder):
         here = Path(place)
         folders[:] = sorted(folders) if len(here.parts) - base < FOLDERS_DEEP else []
         for name in sorted(names):
-            if found >= at_most or (not found and tried >= FILES_TO_TRY):
+            if tried >= at_most:
                 return
             path = here / name
             if name.startswith(".") or name.upper() == DIRECTORY_NAME or not path.is_file():
@@ -78,8 +75,17 @@ def files_below(folder: Path, at_most: int = FILES_AT_MOST) -> Iterator[Path]:
             except OSError:
                 continue
             if looks_like_dicom(head):
-                found += 1
                 yield path
+
+
+def has_more_files(folder: Path, than: int = FILES_AT_MOST) -> bool:
+    """Whether so many files lie below a folder that not all of them are looked at."""
+    count = 0
+    for _, _, names in os.walk(folder):
+        count += len(names)
+        if count > than:
+            return True
+    return False
 
 
 def files_of_directory(directory: Path) -> list[Path]:

@@ -6,7 +6,7 @@ import math
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -24,13 +24,17 @@ _TAGS: tuple[str | int, ...] = (
     "DiffusionGradientOrientation", "Rows", "Columns", "NumberOfFrames", "SamplesPerPixel", "BitsAllocated",
     "PixelRepresentation", "PhotometricInterpretation", "ImagePositionPatient", "ImageOrientationPatient",
     "PixelSpacing", "ImagerPixelSpacing", "SliceThickness", "SpacingBetweenSlices", "RescaleSlope",
-    "RescaleIntercept", "RescaleType", "Units", "SharedFunctionalGroupsSequence",
+    "RescaleIntercept", "RescaleType", "BitsStored", "Units", "SharedFunctionalGroupsSequence",
     "PerFrameFunctionalGroupsSequence", "DimensionIndexSequence", "GridFrameOffsetVector", "DoseGridScaling",
     "DoseUnits", "DetectorInformationSequence", "SliceVector", "EnergyWindowVector", "TimeSlotVector",
     "SegmentationType", "MaximumFractionalValue", "SegmentSequence",
     # NumberOfImagesInMosaic and Siemens' header; numbers and places of UIH's tiles; each with its private creator
     0x00190010, 0x0019100A, 0x00290010, 0x00291010, 0x00650010, 0x00651050, 0x00651051,
 )  # fmt: skip
+
+#: Keywords by their tags; pydicom, which knows them, is imported when the first file is read.
+_KEYWORDS: dict[int, str] = {}
+_WANTED: list[Any] = []
 
 PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
 #: Dimensions of a multi-frame file that only repeat where a frame lies.
@@ -47,6 +51,15 @@ _PLACE_POINTERS = {
 
 
 @dataclass(frozen=True)
+class PlainPixels:
+    """Pixels of one component that lie uncompressed in a file: first byte, type with byte order, used bits of each."""
+
+    offset: int
+    dtype: str
+    used_bits: int
+
+
+@dataclass(frozen=True)
 class ImageFile:
     """What one file says about all of its frames.
 
@@ -56,6 +69,8 @@ class ImageFile:
         Series instance UID.
     rows, columns, samples, bits : int
         Size of the stored images, components and bits of a pixel.
+    is_signed : bool
+        Pixels are numbers with a sign.
     compressed : bool
         By a codec, pixel by pixel.
     interpretation : str
@@ -68,6 +83,8 @@ class ImageFile:
         How an image is divided that holds several slices side by side.
     cut_off : bool
         The file ends before its pixels do.
+    plain : PlainPixels or None
+        Where the pixels lie when they can be taken from the file as they are.
     """
 
     path: Path
@@ -78,6 +95,7 @@ class ImageFile:
     count: int
     samples: int
     bits: int
+    is_signed: bool
     compressed: bool
     interpretation: str
     unit: str
@@ -85,6 +103,7 @@ class ImageFile:
     fractional: float = 0.0
     tiles: Tiles | None = None
     cut_off: bool = False
+    plain: PlainPixels | None = None
 
 
 @dataclass(frozen=True)
@@ -150,29 +169,54 @@ def read_frames(path: Path) -> tuple[Frame, ...]:
     from pydicom.config import disable_value_validation
     from pydicom.tag import Tag
 
+    if not _KEYWORDS:
+        _WANTED.extend(Tag(name) for name in _TAGS)
+        _KEYWORDS.update({int(Tag(name)): name for name in _TAGS if isinstance(name, str)})
     with warnings.catch_warnings(), disable_value_validation(), path.open("rb") as stream:
         warnings.simplefilter("ignore")
         try:
-            header = pydicom.dcmread(
-                stream, stop_before_pixels=True, specific_tags=[Tag(tag) for tag in _TAGS], force=True
-            )
+            data = pydicom.dcmread(stream, stop_before_pixels=True, specific_tags=_WANTED, force=True)
+            header = Header(data)
             if "Rows" not in header or "Columns" not in header:
                 return ()
-            syntax = getattr(header.file_meta, "TransferSyntaxUID", None)
+            syntax = getattr(data.file_meta, "TransferSyntaxUID", None)
             compressed = bool(syntax is not None and syntax.is_compressed)
             deflated = bool(syntax is not None and syntax.is_deflated)
             file = _file(path, header, compressed=compressed and not deflated)
+            if not compressed and not deflated:
+                file = replace(file, plain=_plain_pixels(file, header, stream, data.original_encoding))
             frames = tuple(_frames(file, header))
         except OSError:
             raise
         except Exception:  # noqa: BLE001 - what a damaged header raises inside the library has no end
             return ()
-        # pydicom stops at the tag of the pixel data: 2 + 2 bytes of tag, then VR and length, or the length alone
+        # pydicom stopped at the tag of the pixel data: 2 + 2 bytes of tag, then VR and length, or the length alone
         if not compressed and not deflated:
             there = path.stat().st_size - stream.tell() - 8
             if there < _bytes_of_pixels(file):
                 return tuple(replace(frame, file=replace(file, cut_off=True)) for frame in frames)
     return frames
+
+
+def _plain_pixels(
+    file: ImageFile, header: Header, stream: Any, encoding: tuple[bool | None, bool | None]
+) -> PlainPixels | None:
+    """Where uncompressed pixels begin, at the element at which the stream stands; None where they need pydicom."""
+    used = int(header.get("BitsStored", file.bits) or file.bits)
+    grey = file.interpretation in ("MONOCHROME1", "MONOCHROME2")
+    if not grey or file.samples != 1 or file.bits not in (8, 16, 32) or not 0 < used <= file.bits:
+        return None
+    implicit, little = encoding
+    start = stream.tell()
+    element = stream.read(12)
+    stream.seek(start)
+    order: Literal["little", "big"] = "little" if little else "big"
+    tag = tuple(int.from_bytes(element[at : at + 2], order) for at in (0, 2))
+    length = int.from_bytes(element[4:8] if implicit else element[8:12], order)
+    if tag != (0x7FE0, 0x0010) or not _bytes_of_pixels(file) <= length < 0xFFFFFFFF:
+        return None
+    kind = f"{'<' if little else '>'}{'i' if file.is_signed else 'u'}{file.bits // 8}"
+    return PlainPixels(start + (8 if implicit else 12), kind, used)
 
 
 def _bytes_of_pixels(file: ImageFile) -> int:
@@ -194,6 +238,7 @@ def _file(path: Path, header: Any, *, compressed: bool) -> ImageFile:
         count=int(header.get("NumberOfFrames", 1) or 1),
         samples=int(header.get("SamplesPerPixel", 1) or 1),
         bits=int(header.get("BitsAllocated", 16) or 16),
+        is_signed=bool(header.get("PixelRepresentation", 0)),
         compressed=compressed,
         interpretation=str(header.get("PhotometricInterpretation", "")),
         unit=_unit(modality, header),
@@ -203,6 +248,36 @@ def _file(path: Path, header: Any, *, compressed: bool) -> ImageFile:
         fractional=float(header.get("MaximumFractionalValue", 255) or 255) if fractional else 0.0,
         tiles=tiles_of(header),
     )
+
+
+class Header:
+    """What pydicom has read, with a quick answer for what is not there: most of what is asked for."""
+
+    def __init__(self, data: Any) -> None:
+        self._data = data
+        self._names = {_KEYWORDS[tag] for tag in data.keys() if tag in _KEYWORDS}  # noqa: SIM118 - a data set iterates over its elements
+        self._found: dict[str, Any] = {}
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._names
+
+    def __getitem__(self, tag: int) -> Any:
+        return self._data[tag]
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in self._names:
+            raise AttributeError(name)
+        return self.get(name)
+
+    def get(self, name: str | int | tuple[int, int], default: Any = None) -> Any:
+        """Value of a keyword, or element of a tag."""
+        if not isinstance(name, str):
+            return self._data.get(name, default)
+        if name not in self._names:
+            return default
+        if name not in self._found:
+            self._found[name] = self._data.get(name, default)
+        return self._found[name]
 
 
 class _Finder:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from volviz.io.dicom.headers import Frame, ImageFile
+    from volviz.io.dicom.headers import Frame, ImageFile, PlainPixels
     from volviz.io.reader import LoadRequest
 
 
@@ -62,13 +62,16 @@ def _gray(request: LoadRequest, pixels: npt.NDArray[Any], file: ImageFile) -> np
         request.note("Its pixels are indices of a palette; the brightness of the colours is shown.")
         return brightness(pixels)
     if request.channel is None:
-        request.note("Colours are shown as their brightness; take one component with channel=0, 1 or 2.")
+        request.note("Colours are shown as their brightness; their components are channels 0, 1 and 2.")
         return brightness(pixels)
     return np.asarray(pixels[..., choose(request, "S", pixels.shape[-1])])
 
 
 def _decoded(request: LoadRequest, file: ImageFile, numbers: list[int]) -> Iterator[npt.NDArray[Any]]:
     """Frames of one file, (rows, columns[, samples]), in the order of their numbers."""
+    if file.plain is not None:
+        yield from _plain(request, file, file.plain, numbers)
+        return
     import pydicom
     from pydicom.config import disable_value_validation
     from pydicom.pixels.processing import apply_color_lut
@@ -93,6 +96,30 @@ def _decoded(request: LoadRequest, file: ImageFile, numbers: list[int]) -> Itera
             raise
         except Exception:  # noqa: BLE001 - what damaged pixels raise inside the library and its codecs has no end
             raise request.error("its pixels cannot be decoded; the file is damaged.", file.path) from None
+
+
+def _plain(
+    request: LoadRequest, file: ImageFile, plain: PlainPixels, numbers: list[int]
+) -> Iterator[npt.NDArray[Any]]:
+    """Frames that lie uncompressed in the file."""
+    kind = np.dtype(plain.dtype)
+    unused = 8 * kind.itemsize - plain.used_bits
+    count = file.rows * file.columns
+    with file.path.open("rb", buffering=0) as stream:
+        for number in numbers:
+            pixels = np.empty((file.rows, file.columns), kind)
+            stream.seek(plain.offset + number * pixels.nbytes)
+            if stream.readinto(pixels.reshape(-1).view(np.uint8).data) != count * kind.itemsize:
+                raise request.error(
+                    "the file is cut off: its pixel data is incomplete; get it again.", file.path
+                )
+            if not kind.isnative:
+                pixels = pixels.astype(kind.newbyteorder("="))
+            if unused:
+                # they may hold anything, an overlay say; of numbers with a sign they repeat it
+                pixels <<= unused
+                pixels >>= unused
+            yield pixels
 
 
 def _syntax(data: Any) -> Any:

@@ -64,6 +64,7 @@ def open_source(request: LoadRequest) -> FileSource:
         format="DICOM",
         name=f"DICOM {file.modality or 'image'} {slices.count} slices",
         colour=True,
+        dtype=f"{'int' if file.is_signed else 'uint'}{file.bits}" if file.bits in (8, 16, 32) else None,
         times=known if len(set(known)) == len(times) and known == sorted(known) else None,
         unit=file.unit,
         length_unit="mm",
@@ -157,7 +158,7 @@ def _stack(request: LoadRequest, frames: list[Frame], slices: lattice.SliceLatti
         array[place] = pixels
     assert array is not None
     if later:
-        array = rescaled(array, first.slope, first.intercept)
+        array = rescaled(array, first.slope, first.intercept, in_place=True)
     return array if slices.is_complete else _filled(array, slices)
 
 

@@ -37,7 +37,7 @@ def marching_cubes(
     clean: bool = False,
     progress: Callable[[float], object] | None = None,
     cancel: Callable[[], bool] | None = None,
-) -> tuple[npt.NDArray[np.float32], Array, npt.NDArray[np.float32] | None]:
+) -> tuple[npt.NDArray[Any], Array, npt.NDArray[np.float32] | None]:
     """Triangles of the surface on which the scalars have a given value.
 
     A voxel is inside when its value is at least the isovalue. The mesh is closed but for the border of the
@@ -81,7 +81,8 @@ def marching_cubes(
     Returns
     -------
     vertices : ndarray of shape (V, 3), float32
-        World positions (x, y, z).
+        World positions (x, y, z); float64 for a lattice so far from the origin that 32 bits would lose parts of a
+        voxel.
     faces : ndarray of shape (F, 3), int32 (int64 from 2^31 vertices on)
         Three different vertices each, counter-clockwise seen from where values are lower.
     normals : ndarray of shape (V, 3) or, flat, (F, 3), float32, or None
@@ -102,6 +103,11 @@ def marching_cubes(
     if normals not in {"gradient", "flat", None}:
         raise InputError(f"normals is {normals!r}; choose 'gradient', 'flat' or None.")
     lattice = sample_lattice(scalars, spacing, origin, direction, stride, bounds)
+    away = None
+    if lattice.is_far:
+        # computed about the first voxel of the part, moved in the end
+        away = lattice.first_position
+        lattice = lattice.moved(-away)
     chosen = None if mask is None else _mask(mask, np.shape(scalars))[lattice.choice]
     threshold = _threshold(lattice.samples.dtype, value)
     if threshold is None:
@@ -132,7 +138,7 @@ def marching_cubes(
         vertices, faces, shading = clean_mesh(vertices, faces, shading)
     if normals == "flat":
         shading = face_normals(vertices, faces)
-    return vertices, faces, shading
+    return vertices if away is None else vertices + away, faces, shading
 
 
 def warm_up(dtype: npt.DTypeLike = np.uint8, methods: Sequence[str] = ("lorensen",)) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,9 @@ import numpy.typing as npt
 
 from volviz.errors import InputError
 from volviz.kernels.arrays import check_scalars
+
+#: Relative rounding of a 32-bit float, and what of it is bearable, in voxels.
+EPSILON, TOLERANCE = 2.0**-24, 2.0**-10
 
 Neighbours = tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[Any]]
 
@@ -35,6 +38,24 @@ class Lattice:
     coordinates: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]
     to_world: npt.NDArray[np.float64]
     choice: tuple[Any, Any, Any]
+
+    @property
+    def is_far(self) -> bool:
+        """Whether 32-bit floats cannot tell positions in a voxel apart: the lattice lies far from the origin."""
+        last = np.array([axis[-1] for axis in self.coordinates])
+        reach = np.abs(self.to_world[:, 3]) + np.abs(self.to_world[:, :3]) @ last
+        shortest = float(np.linalg.norm(self.to_world[:, :3], axis=0).min())
+        return float(reach.max()) * EPSILON > TOLERANCE * shortest
+
+    @property
+    def first_position(self) -> npt.NDArray[np.float64]:
+        """World position (x, y, z) of the first sample."""
+        first = np.array([axis[0] for axis in self.coordinates])
+        return np.asarray(self.to_world[:, :3] @ first + self.to_world[:, 3])
+
+    def moved(self, shift: npt.NDArray[np.float64]) -> Lattice:
+        """The same samples elsewhere in the world."""
+        return replace(self, to_world=np.column_stack([self.to_world[:, :3], self.to_world[:, 3] + shift]))
 
     @property
     def is_mirrored(self) -> bool:

@@ -72,6 +72,8 @@ LABEL_COLORS: tuple[Color, ...] = (
 def auto_transfer_function(volume: Volume) -> TransferFunction:
     """A first function for a volume, such that the first image is neither empty nor solid.
 
+    Numbers that stand for "no data" are not looked at and stay invisible.
+
     Parameters
     ----------
     volume : Volume
@@ -82,9 +84,14 @@ def auto_transfer_function(volume: Volume) -> TransferFunction:
     TransferFunction
         In data units, named "auto", with few enough points to edit by hand (labels: two a label).
     """
+    function = _of_data(volume)
+    return _without_no_data(function, volume) if volume.no_data else function
+
+
+def _of_data(volume: Volume) -> TransferFunction:
     look = FirstLook.at(volume)
     if look is None:
-        return _of_constant(volume.range[0], min(volume.dimensions))
+        return _of_constant(volume.data_range[0], min(volume.dimensions))
     labels = _labels(look)
     if labels is not None:
         return _calibrated(_of_labels(labels, look), look)
@@ -95,6 +102,20 @@ def auto_transfer_function(volume: Volume) -> TransferFunction:
         mirrored = look.mirrored()
         return _mirrored(_calibrated(_of_levels(_levels(mirrored), mirrored), mirrored))
     return _calibrated(_of_levels(_levels(look), look), look)
+
+
+def _without_no_data(function: TransferFunction, volume: Volume) -> TransferFunction:
+    """The function with nothing to be seen at numbers that stand for "no data", all far from the data."""
+    low, high = volume.data_range
+    margin = 0.25 * (high - low)
+    points = function.points
+    if volume.no_data[0] < low and points[0].opacity > 0:
+        end = replace(points[0], value=min(points[0].value, low - margin))
+        points = (replace(end, opacity=0.0), end, *points)
+    if volume.no_data[-1] > high and points[-1].opacity > 0:
+        end = replace(points[-1], value=max(points[-1].value, high + margin))
+        points = (*points, end, replace(end, opacity=0.0))
+    return replace(function, points=points)
 
 
 def ramp_color(fraction: float) -> Color:

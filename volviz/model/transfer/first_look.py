@@ -19,14 +19,16 @@ Floats = npt.NDArray[np.float64]
 LATTICE = 88
 #: Rays along either side of a foreseen image, and the largest number of samples on a ray.
 RAYS, SAMPLES = 30, 96
+#: Values are looked at as if none lay farther from the range without outliers than so many times its width.
+OUTLIERS = 20.0
 #: Directions (x, y, z) along the volume's own axes of the foreseen images: slanted, in front, above.
 DIRECTIONS = ((1.0, 1.0, 1.0), (0.47, 0.81, 0.34), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def sample_values(volume: Volume) -> Floats:
-    """Finite values of at most about 700 000 voxels spread evenly over the volume, shape (n,), float64."""
+    """Finite values of at most about 700 000 voxels spread evenly over the volume, shape (n,), without "no data"."""
     values = _strided(volume)[0].ravel()
-    return np.asarray(values[np.isfinite(values)])
+    return values[_is_data(values, volume)]
 
 
 def robust_range(volume: Volume) -> tuple[float, float]:
@@ -35,7 +37,7 @@ def robust_range(volume: Volume) -> tuple[float, float]:
     Widened again where that leaves nothing, as in data that are zero nearly everywhere.
     """
     values = sample_values(volume)
-    return without_outliers(values) if len(values) else volume.range
+    return without_outliers(values) if len(values) else volume.data_range
 
 
 def automatic_window(volume: Volume) -> tuple[float, float]:
@@ -67,7 +69,7 @@ class FirstLook:
     Attributes
     ----------
     values : ndarray of shape (z, y, x), float64
-        Every n-th voxel, in data units; NaN and infinities replaced by the lowest finite value.
+        Every n-th voxel, in data units; what is not finite or stands for "no data" replaced by the lowest other value.
     gradient : ndarray of shape (z, y, x), float64
         Gradient magnitude per cell, in units of the largest absolute value.
     rays : ndarray of shape (views, rays, samples), float64
@@ -97,19 +99,23 @@ class FirstLook:
     @classmethod
     def at(cls, volume: Volume) -> FirstLook | None:
         """None when there are not two different finite values."""
-        low, high = volume.range
+        low, high = volume.data_range
         if not low < high:
             return None
         values, steps = _strided(volume)
-        values = np.where(np.isfinite(values), values, low)
+        values = np.where(_is_data(values, volume), values, low)
         if values.min() == values.max():
             values, steps = _around_extreme(volume, values.shape), (1, 1, 1)
+        range_ = without_outliers(values.ravel())
+        # a single hot voxel must not outweigh the gradients of everything else
+        reach = OUTLIERS * (range_[1] - range_[0])
+        if 0.0 < reach < np.inf:
+            values = np.clip(values, range_[0] - reach, range_[1] + reach)
         cell = tuple(s * n for s, n in zip(volume.spacing[::-1], steps, strict=True))
         rays, lengths = _cast(values, cell)
         scale = float(np.abs(values).max())
         lengths = lengths / volume.mean_spacing
         integer = volume.array.dtype.kind in "bui" or bool(np.all(values == np.rint(values)))
-        range_ = without_outliers(values.ravel())
         return cls(values, _magnitude(values, scale), rays, lengths, *range_, integer, cell, scale)
 
     @cached_property
@@ -141,6 +147,11 @@ class FirstLook:
         """Mean alpha inside the box of each foreseen image, shape (views,)."""
         alpha = 1.0 - np.exp(-extinctions)
         return np.array([a[n > 0].mean() for a, n in zip(alpha, self.lengths, strict=True)])
+
+
+def _is_data(values: Floats, volume: Volume) -> npt.NDArray[np.bool_]:
+    finite = np.isfinite(values)
+    return finite & ~np.isin(values, volume.no_data) if volume.no_data else finite
 
 
 def _magnitude(values: Floats, largest: float) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -20,8 +21,12 @@ Domain = Literal["data", "relative"]
 
 #: Smallest number of entries of a baked table.
 MIN_TABLE = 1024
-#: Largest number of entries of a baked table.
+#: Largest number of entries of a baked table, unless the function has features narrower than two of them.
 MAX_TABLE = 4096
+#: Largest number of entries for the sake of such features.
+MAX_NARROW_TABLE = 2**18
+#: By how much colour or opacity must leave that of both sides to be a feature.
+FEATURE = 1 / 512
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,15 +194,31 @@ class TransferFunction:
 
         A table baked over it and looked up with clamped coordinates is right everywhere, and finer than one
         over the whole range: one outlier of a billion would leave all other data in a single entry of that.
+        Constant ends are left out where features between them would vanish in a table over all points.
         """
         low, high = data_range
         points = self.resolved(data_range).points
+        if _narrowest_feature(points, _feature_limit(points[0].value, points[-1].value)) is not None:
+            points = _without_constant_ends(points)
         first, last = points[0].value, points[-1].value
         if len(points) > 1 and points[1].value == first:
             # a jump at the very start: the side below it must stay within the table
             first -= 1e-3 * (last - first)
         first, last = max(first, low), min(last, high)
         return (first, last) if first < last else (low, high)
+
+    def table_size(self, table_range: tuple[float, float], *, integer: bool) -> int:
+        """Number of entries of a table over a range: enough for every feature, a single label among 65536 say."""
+        size = table_size(table_range, integer)
+        narrowest = _narrowest_feature(self.resolved(table_range).points, _feature_limit(*table_range))
+        if size < MAX_TABLE or narrowest is None:
+            return size
+        span = table_range[1] - table_range[0]
+        per_unit = 2.0 / narrowest
+        if integer and span >= 1:
+            # control points half-way between whole numbers, and these themselves, fall on entries
+            per_unit = 2.0 * np.ceil(per_unit / 2.0)
+        return int(min(max(round(span * per_unit) + 1, size), MAX_NARROW_TABLE))
 
     def oracle_range(self, data_range: tuple[float, float]) -> tuple[float, float]:
         """The range of an oracle's table: that of the data, unless outliers would leave the function few entries."""
@@ -207,12 +228,13 @@ class TransferFunction:
 
     def visible_range(self, data_range: tuple[float, float]) -> tuple[float, float] | None:
         """Lowest and highest value of the data with an opacity above 0; None when nothing is visible."""
-        table = self.bake(data_range, MAX_TABLE)[:, 3]
+        entries = self.table_size(data_range, integer=False)
+        table = self.bake(data_range, entries)[:, 3]
         seen = np.flatnonzero(table > 0)
         if len(seen) == 0:
             return None
-        values = np.linspace(*data_range, MAX_TABLE)
-        return float(values[max(seen[0] - 1, 0)]), float(values[min(seen[-1] + 1, MAX_TABLE - 1)])
+        values = np.linspace(*data_range, entries)
+        return float(values[max(seen[0] - 1, 0)]), float(values[min(seen[-1] + 1, entries - 1)])
 
     # ------------------------------------------------------------------ edits, each a new function
 
@@ -324,6 +346,45 @@ def table_size(data_range: tuple[float, float], integer: bool) -> int:
         per_value = -(-(MIN_TABLE - 1) // int(span))
         return int(span) * per_value + 1
     return MAX_TABLE
+
+
+def _feature_limit(first: float, last: float) -> float:
+    """Width of two entries of the usual table over a range: what is narrower may fall between entries."""
+    return 2.0 * (last - first) / (MAX_TABLE - 1)
+
+
+@lru_cache(maxsize=64)
+def _narrowest_feature(points: tuple[ControlPoint, ...], limit: float) -> float | None:
+    """Width of the narrowest piece where a function leaves the colours on both sides; None: none below `limit`."""
+    narrowest = None
+    for k in range(1, len(points) - 1):
+        here = points[k]
+        for before in reversed(points[:k]):
+            if here.value - before.value >= limit:
+                break
+            for after in points[k + 1 :]:
+                width = after.value - before.value
+                if width >= (limit if narrowest is None else narrowest):
+                    break
+                if width > 0 and _leaves(here, before, after):
+                    narrowest = width
+    return narrowest
+
+
+def _leaves(point: ControlPoint, before: ControlPoint, after: ControlPoint) -> bool:
+    return any(
+        not min(a, b) - FEATURE <= c <= max(a, b) + FEATURE
+        for a, b, c in zip(before.rgba, after.rgba, point.rgba, strict=True)
+    )
+
+
+def _without_constant_ends(points: tuple[ControlPoint, ...]) -> tuple[ControlPoint, ...]:
+    first, last = 0, len(points) - 1
+    while first < last and points[first + 1].rgba == points[first].rgba:
+        first += 1
+    while last > first and points[last - 1].rgba == points[last].rgba:
+        last -= 1
+    return points[first : last + 1]
 
 
 def _point(value: float, rgba: Sequence[float]) -> ControlPoint:

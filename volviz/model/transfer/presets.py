@@ -204,13 +204,13 @@ def looks_like_hu(volume: Volume) -> bool:
     """Whether the values are Hounsfield units: the unit says so, or the range is that of air to bone."""
     if volume.unit:
         return volume.unit.strip().upper() == "HU"
-    low, high = volume.range
+    low, high = volume.data_range
     return -3100.0 <= low <= -700.0 and 300.0 <= high <= 40000.0
 
 
 def looks_like_shifted_hu(volume: Volume) -> bool:
     """Whether the values are CT stored with an offset of 1024: most of what is not air lies near there."""
-    low, high = volume.range
+    low, high = volume.data_range
     if volume.unit or volume.array.dtype.kind not in "iu" or low < -200.0 or not 1500.0 <= high <= 5000.0:
         return False
     from volviz.model.transfer.first_look import sample_values
@@ -223,7 +223,7 @@ def looks_like_shifted_hu(volume: Volume) -> bool:
 
 
 def _window(volume: Volume, window: Window) -> tuple[float, float]:
-    low, high = volume.range
+    low, high = volume.data_range
     if window == "robust":
         from volviz.model.transfer.first_look import robust_range
 

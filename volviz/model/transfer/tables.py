@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from volviz.model.transfer.function import TransferFunction, table_size
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction
 from volviz.model.transfer.function_2d import TransferFunction2D
 from volviz.volume_data.volume import Volume
 
@@ -16,6 +17,7 @@ PLANE_SIZE = (512, 256)
 PLANE_SIZE_INTERACTIVE = (256, 128)
 
 Floats = npt.NDArray[np.float32]
+Texels = TypeVar("Texels", bound=npt.NDArray[Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +44,15 @@ class Table:
         """Opacities, shape (rows, columns)."""
         return self.texels[..., 3]
 
+    @staticmethod
+    def folded(texels: Texels) -> Texels:
+        """Texels as a texture takes them: what is too long for one row goes on in the next ones."""
+        if len(texels) > 1 or rows_of(texels.shape[1]) == 1:
+            return texels
+        entries = texels[0]
+        missing = -len(entries) % MAX_TABLE
+        return cast(Texels, np.pad(entries, ((0, missing), (0, 0)), mode="edge").reshape(-1, MAX_TABLE, 4))
+
     def per_length(self, length: float) -> Floats:
         """Texels with opacities for pieces of ray of that length, in unit distances."""
         before = self.texels[..., 3].astype(np.float64)
@@ -51,6 +62,11 @@ class Table:
         if self.gradients is not None:
             texels[..., :3] *= np.divide(after, before, out=np.zeros_like(after), where=before > 0)[..., None]
         return texels
+
+
+def rows_of(entries: int) -> int:
+    """Rows of a texture that a table of so many entries over the value takes."""
+    return -(-entries // MAX_TABLE)
 
 
 def baked(function: TransferFunction, volume: Volume, *, interactive: bool = False) -> Table:
@@ -84,7 +100,7 @@ def table_entries(
     """Columns and rows of the table of a function."""
     if function.by_gradient is not None:
         return PLANE_SIZE_INTERACTIVE if interactive else PLANE_SIZE
-    return table_size(function.table_range(volume.range), volume.array.dtype.kind in "iu"), 1
+    return function.table_size(function.table_range(volume.range), integer=volume.array.dtype.kind in "iu"), 1
 
 
 def plane_ranges(

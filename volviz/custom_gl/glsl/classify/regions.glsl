@@ -5,6 +5,7 @@
 #include "classification.glsl"
 #include "gradient_opacity.glsl"
 
+uniform sampler2D t_table;
 uniform vec2 u_plane_map;      // row, 0..1 = gradient in fractions of the range per world unit * x + y
 uniform vec4 u_plane_texels;   // texture coordinates = (column, row) * xy + zw
 

@@ -14,12 +14,14 @@ void layers_begin(float ray_length) {
 #pragma end
 }
 
-bool layers_add(float segment_length, bool full_step) {
+bool labels_begin() { return false; }
+
+bool layers_add(float segment_length) {
     if (seen_through_masks() < 0.5) return false;
 #pragma each_layer
 #if MODE == 0
     if (SHARE_OF_LATTICE > 0.0) {
-        composite_add(samples[LAYER], samples[LAYER], AT_LATTICE, segment_length * SHARE_OF_LATTICE, full_step);
+        composite_add(samples[LAYER], samples[LAYER], AT_LATTICE, segment_length * SHARE_OF_LATTICE, false);
     }
 #endif
 #pragma end

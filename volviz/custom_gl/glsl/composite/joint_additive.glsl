@@ -6,7 +6,9 @@ vec4 g_sum;
 
 void layers_begin(float ray_length) { g_sum = vec4(0.0); }
 
-bool layers_add(float segment_length, bool full_step) {
+bool labels_begin() { return false; }
+
+bool layers_add(float segment_length) {
     g_sum += joint_matter() * segment_length;
     return false;
 }

@@ -55,7 +55,7 @@ def _is_shown(sight: Sight, t: float) -> bool:
     if not sight.settings.cut_out and sight.settings.density_threshold <= 0:
         return True
     value = sight.values(t)
-    low, high = sight.volume.range
+    low, high = sight.volume.bulk_range
     if value[0] < low + sight.settings.density_threshold * (high - low):
         return False
     return not sight.settings.cut_out or bool(sight.opacities(np.atleast_1d(t), value)[0] > 0)

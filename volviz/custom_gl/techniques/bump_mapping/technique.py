@@ -247,7 +247,7 @@ class BumpMapping:
         middle = np.asarray(volume.center)
         to_world = np.eye(4)
         to_world[:3, 3] = middle
-        low, high = volume.range
+        low, high = volume.bulk_range
         extent = np.ptp(np.asarray(frame.crop).reshape(3, 2), axis=1) * volume.spacing
         tile = s.tile_size if s.tile_size is not None else float(extent.max()) / TILES
         return {

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from volviz.volume_data.scalars import FARTHEST
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -17,8 +19,8 @@ if TYPE_CHECKING:
 #: grey level of 256.
 PLATEAU_MARGIN = 2.0**-21
 
-#: Larger than any fraction of the range: no surface.
-_NEVER = 4.0
+#: Larger than any texel: no surface.
+_NEVER = 4.0 * FARTHEST
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,15 @@ class Surfaces:
     colors: tuple[tuple[float, float, float], ...]
     opacities: tuple[float, ...]
 
-    def fractions(self, data_range: tuple[float, float]) -> tuple[float, ...]:
-        """The isovalues as fractions of the data range, filled up to four."""
-        low, high = data_range
+    def fractions(self, bulk_range: tuple[float, float]) -> tuple[float, ...]:
+        """The isovalues as fractions of the bulk's range, filled up to four."""
+        low, high = bulk_range
         span = high - low if high > low else 1.0
         # far beyond the range every isovalue means the same: nothing, or everything, is inside
-        found = [float(np.clip((v - low) / span, -1.0, 2.0)) - PLATEAU_MARGIN for v in self.isovalues]
+        found = [
+            float(np.clip((v - low) / span, -2 * FARTHEST, 2 * FARTHEST)) - PLATEAU_MARGIN
+            for v in self.isovalues
+        ]
         return tuple(found + [_NEVER] * (4 - len(found)))
 
     def looks(self) -> npt.NDArray[np.float32]:

@@ -57,7 +57,7 @@ class Isosurface:
         program.use_texture("t_distance", frame.resources.isovalue_distance(surfaces.isovalues))
         program.set(
             {
-                "u_isovalues": surfaces.fractions(frame.volume.range),
+                "u_isovalues": surfaces.fractions(frame.volume.bulk_range),
                 "u_surface_colors": surfaces.looks(),
                 "u_bisections": frame.settings.bisections,
                 "u_step": min(frame.step_world, MAX_STEP * min(frame.volume.spacing)),

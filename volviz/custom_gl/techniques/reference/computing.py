@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.model.transfer.function import MAX_TABLE, TransferFunction, table_size
+from volviz.model.transfer.function import MAX_TABLE, TransferFunction
 from volviz.reference.image import Shading, reference_render
 from volviz.volume_data.volume import Volume
 
@@ -60,10 +60,10 @@ def computed(request: OracleRequest, progress: Any = None, cancel: Any = None) -
     """The oracle's image: premultiplied RGBA, shape (height, width, 4), row 0 at the top."""
     volume, settings = request.volume, request.settings
     scalar = settings.mode == "attenuated_maximum"
-    table_range = volume.range if scalar else request.function.oracle_range(volume.range)
-    entries = table_size(table_range, volume.array.dtype.kind in "iu")
-    if entries == MAX_TABLE:
-        entries = FINE_TABLE
+    table_range = volume.bulk_range if scalar else request.function.oracle_range(volume.range)
+    entries = request.function.table_size(table_range, integer=volume.array.dtype.kind in "iu")
+    if entries >= MAX_TABLE:
+        entries = max(entries, FINE_TABLE)
     shading = None
     if settings.shading:
         shading = Shading(
@@ -73,7 +73,7 @@ def computed(request: OracleRequest, progress: Any = None, cancel: Any = None) -
     regions = _regions(request)
     return reference_render(
         volume.array, volume.spacing, volume.origin, volume.direction,
-        table=request.function.bake(table_range, entries), value_range=volume.range, table_range=table_range,
+        table=request.function.bake(table_range, entries), value_range=volume.bulk_range, table_range=table_range,
         view=np.reshape(request.view, (4, 4)), projection=np.reshape(request.projection, (4, 4)), size=request.size,
         step_world=request.step, first_sample=settings.first_sample, unit_distance=request.unit_distance,
         mode=settings.mode, attenuation=settings.attenuation, early_termination=settings.early_termination,

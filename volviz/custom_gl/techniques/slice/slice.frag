@@ -13,7 +13,7 @@ uniform int u_samples;             // across the slab
 uniform vec3 u_first;              // from the plane to the sample nearest to the eye, texture coordinates
 uniform vec3 u_next;               // ... and from one sample to the next
 uniform float u_segment;           // length of ray that a sample stands for, world units
-uniform vec2 u_grey;               // brightness = fraction of the data range * x + y
+uniform vec2 u_grey;               // brightness = fraction * x + y
 #if SCENE_DEPTH
 uniform sampler2D t_scene_depth;
 uniform vec2 u_size;

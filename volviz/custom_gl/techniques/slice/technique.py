@@ -92,7 +92,7 @@ class Slice:
         spacing = settings.slab / len(offsets)
         limits = np.asarray(crop).reshape(3, 2).T
         scale, offset = texels.index_to_texture
-        (low, high), (black, white) = frame.volume.range, grey_window(settings, frame.volume)
+        (low, high), (black, white) = frame.volume.bulk_range, grey_window(settings, frame.volume)
         program.set(
             {
                 "u_low": tuple(limits[0] * scale + offset),

@@ -124,9 +124,9 @@ class SplatStore:
 
 
 def pack(request: SplatRequest) -> Packed:
-    """Select splats: rows of voxel index, unit normal in the world and fraction of the data range."""
+    """Select splats: rows of voxel index, unit normal in the world and fraction of the bulk's range."""
     volume = request.volume
-    low, high = volume.range
+    low, high = volume.bulk_range
     splats = splats_of(volume, request.isovalue, request.per_axis, cull=request.cull)
     packed = np.empty((len(splats.values), FLOATS), np.float32)
     packed[:, :3] = splats.positions

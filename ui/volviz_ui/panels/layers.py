@@ -1,0 +1,235 @@
+"""The list of layers: which are seen, in which colour and how strongly, and which one the other panels act on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import (
+    QApplication,
+    QHBoxLayout,
+    QSizePolicy,
+    QSlider,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from volviz.custom_gl.scene_techniques import current_technique
+from volviz.model.layer_edits import (
+    can_remove,
+    recolored,
+    shown_color,
+    with_layer_at,
+    with_only,
+    without_layer,
+)
+from volviz.model.layers import ImageLayer, Layer
+from volviz.model.scene import Scene
+from volviz.model.store import Store
+from volviz_ui.editors.simple import ColorButton, chosen_color
+from volviz_ui.session.documents import Documents
+from volviz_ui.session.loaded_scene import LoadedScene, words_on_layers
+from volviz_ui.session.opening import has_channels
+from volviz_ui.style.icons import set_icon
+from volviz_ui.widgets.binding import show_value
+from volviz_ui.widgets.small import quiet_label, small_button
+
+GESTURE = "layer opacity"
+
+
+class LayerRow(QWidget):
+    """One layer: eye, colour, name, opacity, remove.
+
+    Parameters
+    ----------
+    store : Store
+        Where the layer is.
+    number : int
+        Its place in the scene.
+    """
+
+    def __init__(self, store: Store, number: int, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._store, self._number = store, number
+        self.eye = small_button("eye", self.tr("Show or hide this layer; with Alt, show it alone"), self)
+        self.eye.setCheckable(True)
+        self.eye.clicked.connect(self._on_eye)
+        self.color = ColorButton(self, with_name=False)
+        self.color.setIconSize(QSize(14, 14))
+        self.color.setFlat(True)
+        self.color.setMaximumWidth(24)
+        self.color.setToolTip(self.tr("Show this layer in one colour"))
+        self.color.setAccessibleName(self.tr("Colour of the layer"))
+        self.color.clicked.connect(self._on_color)
+        self.name = QToolButton(self)
+        self.name.setCheckable(True)
+        self.name.setAutoRaise(True)
+        self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.name.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+        self.name.clicked.connect(self._on_name)
+        self.opacity = QSlider(Qt.Orientation.Horizontal, self)
+        self.opacity.setRange(0, 100)
+        self.opacity.setFixedWidth(64)
+        self.opacity.setToolTip(self.tr("Opacity of the layer"))
+        self.opacity.setAccessibleName(self.tr("Opacity of the layer"))
+        self.opacity.sliderPressed.connect(lambda: store.begin_gesture(GESTURE))
+        self.opacity.sliderReleased.connect(lambda: store.end_gesture(GESTURE))
+        self.opacity.valueChanged.connect(self._on_opacity)
+        self.remove = small_button("x", self.tr("Remove this layer"), self)
+        self.remove.clicked.connect(self._on_remove)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(4)
+        for widget, stretch in (
+            (self.eye, 0),
+            (self.color, 0),
+            (self.name, 1),
+            (self.opacity, 0),
+            (self.remove, 0),
+        ):
+            row.addWidget(widget, stretch)
+
+    def show_layer(self, layer: Layer, *, is_active: bool, removable: bool) -> None:
+        """Show the values of a layer."""
+        self.eye.setChecked(layer.visible)
+        set_icon(self.eye, "eye" if layer.visible else "eye-slash", "quiet")
+        color = shown_color(layer)
+        self.color.setVisible(color is not None)
+        if color is not None:
+            self.color.set_color(QColor.fromRgbF(*color))
+        words = layer.name or self.tr("Layer %1").replace("%1", str(self._number + 1))
+        self.name.setText(words)
+        is_image = isinstance(layer, ImageLayer)
+        self.name.setToolTip(
+            self.tr("%1: click to edit its colours and see its histogram").replace("%1", words)
+            if is_image
+            else self.tr("%1: labels, shown as surfaces").replace("%1", words)
+        )
+        self.name.setChecked(is_active)
+        self.name.setEnabled(is_image)
+        self.opacity.blockSignals(True)
+        if not self.opacity.isSliderDown():
+            self.opacity.setValue(round(100 * layer.opacity))
+        self.opacity.blockSignals(False)
+        self.remove.setEnabled(removable)
+
+    def _change(self, words: str, **changes: Any) -> None:
+        number = self._number
+        self._store.update(lambda scene: with_layer_at(scene, number, **changes), label=words)
+
+    def _on_eye(self, visible: bool) -> None:
+        number = self._number
+        if QApplication.keyboardModifiers() & Qt.KeyboardModifier.AltModifier:
+            self._store.update(lambda scene: with_only(scene, number), label=self.tr("Show one layer"))
+        else:
+            self._change(self.tr("Show layer") if visible else self.tr("Hide layer"), visible=visible)
+
+    def _on_color(self) -> None:
+        color = chosen_color(self, self.color.color, self.tr("Colour of the layer"))
+        if color is not None:
+            self.set_color((color.redF(), color.greenF(), color.blueF()))
+
+    def set_color(self, color: tuple[float, float, float]) -> None:
+        """Show the layer in one colour."""
+        layer = self._store.scene.layers[self._number]
+        if isinstance(layer, ImageLayer) and layer.transfer_function is not None:
+            function = recolored(layer.transfer_function, color)
+            self._change(self.tr("Colour of the layer"), transfer_function=function)
+
+    def _on_name(self) -> None:
+        number = self._number
+        self._store.update(
+            lambda scene: scene.with_active_layer(number), label=self.tr("Active layer"), record=False
+        )
+        self.name.setChecked(True)
+
+    def _on_opacity(self, percent: int) -> None:
+        number = self._number
+        self._store.update(
+            lambda scene: with_layer_at(scene, number, opacity=percent / 100.0),
+            label=self.tr("Opacity of the layer"),
+            gesture=GESTURE if self.opacity.isSliderDown() else None,
+        )
+
+    def _on_remove(self) -> None:
+        number = self._number
+        self._store.update(lambda scene: without_layer(scene, number), label=self.tr("Remove layer"))
+
+
+class LayerList(QWidget):
+    """All layers of the scene, and a button that adds one.
+
+    Attributes
+    ----------
+    add_requested : signal
+        The button was pressed.
+    """
+
+    add_requested = Signal()
+
+    def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._store, self._documents = store, documents
+        self.rows: list[LayerRow] = []
+        self.column = QVBoxLayout(self)
+        self.column.setContentsMargins(0, 0, 0, 0)
+        self.column.setSpacing(2)
+        self.words = quiet_label(parent=self)
+        self.words.setWordWrap(True)
+        self.add_button = QToolButton(self)
+        self.add_button.setText(self.tr("Add layer…"))
+        self.add_button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.add_button.setAutoRaise(True)
+        self.add_button.setToolTip(self.tr("Show another file in the same picture"))
+        set_icon(self.add_button, "plus", "quiet")
+        self.add_button.clicked.connect(self.add_requested)
+        self.channels_button = QToolButton(self)
+        self.channels_button.setText(self.tr("All channels"))
+        self.channels_button.setAutoRaise(True)
+        self.channels_button.setToolTip(
+            self.tr("Show every channel of this file as a layer, each in its colour")
+        )
+        self.channels_button.clicked.connect(documents.show_all_channels)
+        buttons = QHBoxLayout()
+        buttons.setContentsMargins(0, 0, 0, 0)
+        buttons.addWidget(self.add_button)
+        buttons.addWidget(self.channels_button)
+        buttons.addStretch(1)
+        self.column.addWidget(self.words)
+        self.column.addLayout(buttons)
+        show_value(store, _layers_shown, self._show)
+        show_value(documents, _active_layer, self._show_channels)
+
+    def _show_channels(self, _active: object) -> None:
+        self.channels_button.setVisible(has_channels(self._documents.source))
+
+    def _show(self, shown: tuple[tuple[Layer, ...], int | None, str]) -> None:
+        layers, active, words = shown
+        while len(self.rows) > len(layers):
+            row = self.rows.pop()
+            self.column.removeWidget(row)
+            row.hide()
+            row.deleteLater()
+        while len(self.rows) < len(layers):
+            row = LayerRow(self._store, len(self.rows), self)
+            self.column.insertWidget(len(self.rows), row)
+            self.rows.append(row)
+        scene = self._store.scene
+        for number, (row, layer) in enumerate(zip(self.rows, layers, strict=True)):
+            row.show_layer(layer, is_active=number == active, removable=can_remove(scene, number))
+        self.words.setText(words)
+        self.words.setVisible(bool(words))
+        self.add_button.setEnabled(bool(layers))
+
+
+def _active_layer(shown: LoadedScene) -> object:
+    return shown.scene.layer
+
+
+def _layers_shown(scene: Scene) -> tuple[tuple[Layer, ...], int | None, str]:
+    words = words_on_layers(scene)
+    if not words and len(scene.layers) > 1 and current_technique(scene).draws_layers:
+        words = LayerList.tr("Visible layers are drawn in one picture; their order changes nothing.")
+    return scene.layers, scene.layer_index, words
