@@ -12,7 +12,7 @@ import numpy as np
 
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
-from volviz.io.packed_files import GZIP, is_packed, open_unpacked, unpacked_head
+from volviz.io.packed_files import GZIP, is_packed, is_zip, open_unpacked, open_zip, unpacked_head
 from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
 from volviz.io.table import READERS
 from volviz.volume_data.references import is_address
@@ -133,8 +133,11 @@ def load(
 def open_file(request: LoadRequest) -> FileSource:
     """Find the reader for a job and let it open the file."""
     with told_in_a_sentence(request):
-        reader = _reader_for(request)
         magic = _first_bytes(request.path)
+        # some formats are zip files themselves
+        if is_zip(magic) and not any(reader.sniff(magic, request.path) for reader in READERS):
+            return open_zip(request, open_file)
+        reader = _reader_for(request)
         if not is_packed(magic) or (reader.reads_gzip and magic.startswith(GZIP)):
             return reader.open(request)
         return open_unpacked(request, reader.open)
