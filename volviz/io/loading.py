@@ -25,6 +25,13 @@ if TYPE_CHECKING:
     from volviz.volume_data.volume import Volume
 
 
+#: Formats of makers of microscopes, which nothing here reads.
+_VENDORS = {
+    ".czi": "Zeiss (.czi)", ".lif": "Leica (.lif)", ".nd2": "Nikon (.nd2)", ".oib": "Olympus (.oib)",
+    ".oif": "Olympus (.oif)", ".vsi": "Olympus (.vsi)", ".dm3": "Gatan (.dm3)", ".dm4": "Gatan (.dm4)",
+}  # fmt: skip
+
+
 def open(  # noqa: A001 - what it does, as `volviz.open`
     path: str | os.PathLike[str],
     *,
@@ -245,6 +252,10 @@ def _reader_for(request: LoadRequest) -> Reader:
         return by_name
     if path.is_dir():
         raise request.error(_found_in_folder(path))
+    if (maker := _VENDORS.get(path.suffix.lower())) is not None:
+        raise request.error(
+            f"files of {maker} are not read; save it as OME-TIFF, with the program of the microscope or with Fiji."
+        )
     known = ", ".join(reader.name for reader in READERS)
     raise request.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
 
