@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -169,7 +170,7 @@ def test_a_session_and_a_script_keep_the_slices(window: MainWindow, tmp_path: Pa
     assert again.cursor == scene.cursor
     assert again.layout == "large"
     assert [view.own_camera for view in again.views] == [False, True, True, True]
-    written = script_of(scene, (300, 200)).split("point=(")[1].split(")")[0]
+    written = re.split(r"\bpoint=\(", script_of(scene, (300, 200)))[1].split(")")[0]
     assert [float(number) for number in written.split(",")] == pytest.approx(scene.cursor, rel=1e-6)
 
 
