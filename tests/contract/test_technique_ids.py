@@ -18,6 +18,7 @@ IDS = frozenset(techniques())
 #: Texts that are spelt like an id and mean something else, by file.
 OTHER_MEANINGS = {
     "ui/volviz_ui/commands/technique.py": {"slice"},  # a part of the names of debug views
+    "volviz/io/axes.py": {"slice"},  # a name of an axis
     "volviz/__init__.py": {"marching_cubes"},  # the function
     "volviz/cli.py": {"isosurface"},  # the command
     "volviz/commands/meshes.py": {"isosurface"},

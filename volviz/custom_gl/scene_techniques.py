@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
+from volviz.custom_gl.settings import common_settings
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.light import Light
-from volviz.model.parameters import Parameter
+from volviz.model.parameters import Parameter, make_settings
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Layout, Scene, SceneView
 from volviz.model.slice_plane import NAMED_PLANES
@@ -113,6 +115,34 @@ def without_slices(scene: Scene) -> Scene:
     kept = tuple(view for view in scene.views if not view.own_camera)
     views = kept or (replace(scene.view, own_camera=False, camera=None),)
     return replace(scene, views=views, active=0, layout="grid")
+
+
+def with_look(scene: Scene, technique: str, values: Mapping[str, Any] | None) -> Scene:
+    """The scene whose active view is drawn as a preset says.
+
+    What is lit gets a light from the upper left, as long as nobody has touched the light: from the eye itself shapes
+    look flat.
+
+    Parameters
+    ----------
+    scene : Scene
+    technique : str
+        Id of the technique.
+    values : mapping or None
+        Its settings by name; None leaves those that it has.
+
+    Raises
+    ------
+    VolvizError
+        There is no such technique or setting.
+    """
+    info = technique_info(technique)
+    view = replace(scene.view, technique=info.id)
+    if values is not None:
+        view = view.with_settings(info.id, make_settings(info.settings, dict(values), owner=info.id))
+    changed = scene.with_view(technique=view.technique, settings=view.settings)
+    lit = common_settings(current_settings(changed)).shading
+    return replace(changed, light=Light(headlight=False)) if lit and scene.light == Light() else changed
 
 
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:

@@ -61,7 +61,7 @@ _SAMPLES = (
         _MNI,
         "McConnell Brain Imaging Centre, by way of the Python package nilearn 0.14.1",
         "MRI",
-        "mri",
+        "mri-cortex",
         "samples/mri-brain.nii.gz",
     ),
     Sample(
@@ -71,7 +71,7 @@ _SAMPLES = (
         _MNI,
         "McConnell Brain Imaging Centre, by way of the Debian package mricron-data 1.2.20211006",
         "MRI",
-        "mri",
+        "mri-skin",
         "samples/mri-head.nii.gz",
     ),
     Sample(
@@ -81,7 +81,7 @@ _SAMPLES = (
         "BSD-3-Clause",
         "test image lung2 of the Python package pyradiomics 3.0.1",
         "CT",
-        "ct-bone",
+        "ct-bone-lit",
         "samples/ct-chest.nrrd",
     ),
     Sample(

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from volviz.custom_gl.layer_set import layer_function
+from volviz.custom_gl.scene_techniques import with_look
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.layer_looks import channel_color, channel_function
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
@@ -200,6 +201,7 @@ def scene_with(scene: Scene, opened: Opened) -> Scene:
     views = tuple(replace(view, camera=None) for view in scene.views)
     clipping = replace(scene.clipping, crop=None, planes=())
     light = replace(scene.light, position=None)
-    return replace(
+    changed = replace(
         scene, layers=layers_of(opened), active_layer=0, views=views, clipping=clipping, light=light
     )
+    return changed if opened.technique is None else with_look(changed, opened.technique, opened.settings)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, is_dataclass, replace
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,13 +23,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from volviz.custom_gl.scene_techniques import with_look
 from volviz.errors import VolvizError
 from volviz.model.transfer.channels import simplified, with_ramp
 from volviz.model.transfer.formats import colormap_colors, read_preset_file, write_transfer_function
 from volviz.model.transfer.presets import Preset, preset_for
 
 if TYPE_CHECKING:
-    from volviz.model.scene import Scene
     from volviz.model.transfer.own_presets import OwnPresets
     from volviz_ui.transfer_editor.model import EditorModel
 
@@ -104,14 +104,18 @@ class PresetCommands(QObject):
         if preset.technique is None:
             model.apply(function, label, ())
             return
+        technique, values = preset.technique, preset.settings
         try:
-            change = _technique_change(preset)
+            with_look(model.store.scene, technique, values)
         except VolvizError as error:
             self.failed.emit(error)
             model.apply(function, label, ())
             return
         model.select(())
-        model.store.update(lambda scene: change(scene.with_layer(transfer_function=function)), label=label)
+        model.store.update(
+            lambda scene: with_look(scene.with_layer(transfer_function=function), technique, values),
+            label=label,
+        )
 
     def save(self) -> None:
         """Ask for a name and save the present function."""
@@ -262,23 +266,6 @@ class PresetCommands(QObject):
             action()
         except VolvizError as error:
             self.failed.emit(error)
-
-
-def _technique_change(preset: Preset) -> Any:
-    """A function from scene to scene that brings a preset's technique and settings."""
-    from volviz.custom_gl.registry import technique
-    from volviz.model.parameters import make_settings
-
-    info = technique(str(preset.technique))
-    settings = make_settings(info.settings, preset.settings or {}, owner=info.id)
-
-    def change(scene: Scene) -> Scene:
-        view = replace(scene.view, technique=info.id)
-        if preset.settings is not None:
-            view = view.with_settings(info.id, settings)
-        return scene.with_view(technique=view.technique, settings=view.settings)
-
-    return change
 
 
 def _plain(settings: Any) -> dict[str, Any] | None:
