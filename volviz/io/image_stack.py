@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from volviz.io.axes import to_zyx
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.memory import check_memory
+from volviz.io.tiff import quiet
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -129,7 +131,8 @@ def _pixels(request: LoadRequest, path: Path) -> npt.NDArray[Any]:
         if path.suffix.lower() in _TIFF:
             import tifffile
 
-            array = np.asarray(tifffile.imread(path))
+            with quiet(replace(request, path=path)):
+                array = np.asarray(tifffile.imread(path))
         else:
             from PIL import Image
 

@@ -12,10 +12,13 @@ from volviz.io import (
     image_stack,
     matlab,
     metaimage,
+    mrc,
+    neuroimaging,
     nifti,
     npz_files,
     nrrd,
     numpy_files,
+    plain_headers,
     raw,
     tiff,
     vtk_files,
@@ -62,6 +65,27 @@ READERS: tuple[Reader, ...] = (
     Reader("NRRD", nrrd.SUFFIXES, nrrd.sniff, nrrd.open_source),
     Reader("MetaImage", metaimage.SUFFIXES, metaimage.sniff, metaimage.open_source),
     Reader("VTK image", vtk_files.SUFFIXES, vtk_files.sniff, vtk_files.open_source),
+    Reader("MRC", mrc.SUFFIXES, mrc.sniff, mrc.open_source),
+    Reader("MGH", neuroimaging.MGH_SUFFIXES, neuroimaging.sniff_mgh, neuroimaging.open_mgh, reads_gzip=True),
+    # before HDF5, in which MINC 2 is kept
+    Reader("MINC", neuroimaging.MINC_SUFFIXES, neuroimaging.sniff_minc, neuroimaging.open_minc),
+    Reader(
+        "AFNI", neuroimaging.AFNI_SUFFIXES, neuroimaging.sniff_afni, neuroimaging.open_afni, reads_gzip=True
+    ),
+    Reader("PAR/REC", neuroimaging.PARREC_SUFFIXES, neuroimaging.sniff_parrec, neuroimaging.open_parrec),
+    Reader(
+        "GIPL",
+        plain_headers.GIPL_SUFFIXES,
+        plain_headers.sniff_gipl,
+        plain_headers.open_gipl,
+        reads_gzip=True,
+    ),
+    Reader(
+        "Interfile",
+        plain_headers.INTERFILE_SUFFIXES,
+        plain_headers.sniff_interfile,
+        plain_headers.open_interfile,
+    ),
     # before TIFF: the first 128 bytes of a DICOM file are free and often hold a TIFF header
     Reader("DICOM", dicom.SUFFIXES, dicom.sniff, dicom.open_source),
     Reader("Zarr", zarr.SUFFIXES, zarr.sniff, zarr.open_source),

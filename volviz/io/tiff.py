@@ -51,12 +51,12 @@ def open_source(request: LoadRequest) -> FileSource:
     """The largest series of the file, with its time points and channels."""
     import tifffile
 
-    with _quiet(request), tifffile.TiffFile(request.path) as file:
+    with quiet(request), tifffile.TiffFile(request.path) as file:
         return _source(request, file)
 
 
 @contextmanager
-def _quiet(request: LoadRequest) -> Iterator[None]:
+def quiet(request: LoadRequest) -> Iterator[None]:
     """Answer damage with one sentence; the library's log and warnings would repeat it on the terminal."""
     log = logging.getLogger("tifffile")
     # both are set for the whole process
@@ -102,7 +102,7 @@ def _source(request: LoadRequest, file: tifffile.TiffFile) -> FileSource:
     sizes = dict(zip(axes, series.shape, strict=True))
 
     def values(request: LoadRequest) -> npt.NDArray[Any]:
-        with _quiet(request):
+        with quiet(request):
             # it was closed when its pages were known
             file.filehandle.open()
             try:
