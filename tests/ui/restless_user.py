@@ -406,7 +406,9 @@ def main() -> None:
     application = make_application()
     folder = Path(tempfile.mkdtemp())
     kept = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
-    window = MainWindow(Theme(application, "dark"), Preferences(kept))
+    preferences = Preferences(kept)
+    preferences.asks_about_changes = False
+    window = MainWindow(Theme(application, "dark"), preferences)
     window.resize(960, 680)
     window.show()
     QTest.qWaitForWindowExposed(window)

@@ -31,6 +31,14 @@ from volviz_ui.style.theme import Theme
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def save(
     window: MainWindow, wait_for: Wait, path: Path, size: tuple[int, int], *, transparent: bool
@@ -186,11 +194,15 @@ def test_copying_can_be_cancelled_and_the_clipboard_keeps_what_it_has(
 
 
 @pytest.mark.usefixtures("slow_drawing")
-def test_a_window_that_closes_gives_up_copying(window: MainWindow) -> None:
-    window.technique_commands.refine(1)
-    copy = window.file_commands.copy_image()
+def test_a_window_that_closes_gives_up_copying(
+    bare_window: MainWindow, ball_file: str, wait_for: Wait
+) -> None:
+    bare_window.open(ball_file)
+    wait_for(lambda: is_complete(bare_window))
+    bare_window.technique_commands.refine(1)
+    copy = bare_window.file_commands.copy_image()
     assert not copy.is_over
-    window.close()
+    bare_window.close()
     assert copy.is_over
 
 
@@ -306,6 +318,44 @@ def test_the_layout_is_remembered(qapp: QApplication, theme: Theme, preferences:
     for window in (first, second, third):
         window.deleteLater()
     del first, second, third, window
+
+
+def test_no_panel_has_two_tabs_after_reset_and_a_second_start(
+    qapp: QApplication, theme: Theme, preferences: Preferences
+) -> None:
+    def tabs(window: MainWindow) -> list[str]:
+        bars = [bar for bar in window.findChildren(QTabBar) if bar.isVisible() and bar.x() >= 0]
+        return sorted(bar.tabText(i) for bar in bars for i in range(bar.count()))
+
+    for floating in (False, True, False):
+        window = MainWindow(theme, preferences)
+        window.show()
+        for name in ("compare", "crosscheck"):
+            window.docks[name].setFloating(floating)
+            window.docks.show(name)
+        QTest.qWait(50)
+        opened = [] if floating else ["Compare", "Cross-check", "Data", "Transfer function"]
+        assert tabs(window) == opened
+        window.docks.reset()
+        QTest.qWait(50)
+        assert tabs(window) == []
+        assert [name for name in window.docks.names if window.docks[name].isVisible()] == [
+            "data", "technique", "transfer",
+        ]  # fmt: skip
+        window.docks.show("compare")
+        QTest.qWait(50)
+        assert tabs(window) == ["Compare", "Data"]
+        window.close()
+        window.deleteLater()
+        del window
+
+
+def test_two_views_of_four_are_two(window: MainWindow) -> None:
+    window.commands["compare.four_views"].trigger()
+    window.commands["compare.split"].trigger()
+    assert len(window.store.scene.views) == 2
+    window.commands["compare.split"].trigger()
+    assert len(window.store.scene.views) == 1
 
 
 def test_full_screen_and_back_by_escape(window: MainWindow) -> None:

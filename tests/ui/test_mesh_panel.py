@@ -29,6 +29,14 @@ from volviz_ui.panels.mesh_section import words_of
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def change(window: MainWindow, name: str, value: Any) -> None:
     """Change a setting as its editor does."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
+from PySide6.QtCore import QEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
-from tests.ui.conftest import image, is_complete
+from tests.ui.conftest import image, is_complete, save_ball
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.session import save_session
 from volviz.volume_data.references import VolumeRef
@@ -45,8 +48,8 @@ def test_a_saved_session_brings_everything_back(
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
 
 
-def test_a_session_whose_volume_is_gone_leaves_the_scene(
-    window: MainWindow, other_file: str, tmp_path: Path, wait_for: Wait
+def test_a_session_whose_volume_is_gone_leaves_the_scene_and_asks_where_it_is(
+    window: MainWindow, other_file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wait_for: Wait
 ) -> None:
     window.open(other_file)
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
@@ -58,10 +61,47 @@ def test_a_session_whose_volume_is_gone_leaves_the_scene(
     window.documents.cache.clear()
     scene = window.store.scene
     window.open(str(path))
-    wait_for(lambda: [box for box in window.findChildren(QMessageBox) if box.isVisible()])
+    (box,) = window.findChildren(QMessageBox)
+    assert "other.npy is no longer" in box.text()
     assert window.store.scene == scene
-    for box in window.findChildren(QMessageBox):
-        box.close()
+    moved = tmp_path / "elsewhere.npy"
+    save_ball(moved, 120, size=24)
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(moved), ""))
+    box.defaultButton().click()
+    wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
+    assert window.store.scene.layer.volume.source == str(moved)
+
+
+def test_changes_are_marked_saved_without_a_question_and_asked_about(
+    window: MainWindow, tmp_path: Path, other_file: str, monkeypatch: pytest.MonkeyPatch, wait_for: Wait
+) -> None:
+    assert not window.isWindowModified()
+    window.view_commands.show_axis_view("L")
+    assert not window.isWindowModified()
+    window.view_commands.set_background((0.0, 0.0, 0.0))
+    assert window.isWindowModified()
+    path = tmp_path / "mine.volviz.json"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    window.commands["file.save_session"].trigger()
+    assert not window.isWindowModified()
+    assert json.loads(path.read_text())["layers"][0]["volume"]["source"] == "ball.npy"
+    monkeypatch.delattr(QFileDialog, "getSaveFileName")
+    window.view_commands.set_background((1.0, 1.0, 1.0))
+    window.commands["file.save_session"].trigger()
+    assert json.loads(path.read_text())["background"] == [1.0, 1.0, 1.0]
+    window.view_commands.set_background((0.5, 0.5, 0.5))
+    window.preferences.asks_about_changes = True
+    window.file_commands.open_path(other_file)
+    (box,) = window.findChildren(QMessageBox)
+    box.button(QMessageBox.StandardButton.Cancel).click()
+    assert window.documents.volume.dimensions == (32, 32, 32)
+    QApplication.processEvents()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    assert not window.close()
+    (box,) = window.findChildren(QMessageBox)
+    box.button(QMessageBox.StandardButton.Save).click()
+    assert not window.isVisible()
+    assert json.loads(path.read_text())["background"] == [0.5, 0.5, 0.5]
 
 
 def test_the_scene_is_written_after_a_change_and_removed_at_the_end(
@@ -70,12 +110,17 @@ def test_the_scene_is_written_after_a_change_and_removed_at_the_end(
     autosave = Autosave(window.store, tmp_path / "auto", window)
     autosave._timer.setInterval(20)
     window.view_commands.set_background((0.0, 0.0, 0.0))
-    wait_for(autosave.path.exists)
+    wait_for(lambda: autosave.paths and autosave.paths[-1].exists())
     QTest.qWait(50)
     assert not autosave._timer.isActive()
-    assert left_behind(tmp_path / "auto") is None
+    assert left_behind(tmp_path / "auto") == []
+    for _ in range(4):
+        autosave._begun = 0.0  # long ago
+        autosave.write()
+        QTest.qWait(2)
+    assert len(list((tmp_path / "auto").iterdir())) == 3
     autosave.close()
-    assert not autosave.path.exists()
+    assert not list((tmp_path / "auto").iterdir())
 
 
 def test_after_a_crash_the_scene_is_offered_and_restored(
@@ -89,8 +134,15 @@ def test_after_a_crash_the_scene_is_offered_and_restored(
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
     box = window.session_commands.offer_restore(tmp_path / "auto")
     assert box is not None
+    assert "ball" in box.informativeText()
+    box.escapeButton().click()
+    assert crashed.exists()
+    restore = window.session_commands.left_entries()[0]
+    assert restore.text == box.informativeText()
+    box = window.session_commands.offer_restore(tmp_path / "auto")
     box.defaultButton().click()
     wait_for(lambda: window.documents.volume.dimensions == (32, 32, 32))
+    assert window.isWindowModified()
     assert window.store.scene.background == (0.0, 0.0, 0.0)
     assert not crashed.exists()
     assert window.session_commands.offer_restore(tmp_path / "auto") is None

@@ -145,7 +145,10 @@ def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
     volume: dict[str, Any] = {"source": ref.source, "hints": dict(ref.hints), "content_id": ref.content_id}
     if folder is not None and Path(ref.source).is_absolute():
         with suppress(ValueError):  # another drive on Windows: there is no way from here to there
-            volume["relative"] = Path(os.path.relpath(ref.source, folder)).as_posix()
+            volume["relative"] = relative = Path(os.path.relpath(ref.source, folder)).as_posix()
+            if not relative.startswith("../"):
+                # data beside the session: where both lie is nobody's business
+                volume["source"] = relative
     values = {field.name: getattr(layer, field.name) for field in dataclasses.fields(layer)}
     if isinstance(layer, ImageLayer) and layer.transfer_function is not None:
         values["transfer_function"] = layer.transfer_function.to_dict()
@@ -197,7 +200,7 @@ def _layer(data: dict[str, Any], folder: Path | None) -> Layer:
     source = str(volume["source"])
     if folder is not None and "relative" in volume:
         beside = Path(os.path.normpath(folder / volume["relative"]))
-        if beside.exists():
+        if beside.exists() or source == volume["relative"]:
             source = str(beside)
     hints = tuple((str(k), tuple(v) if isinstance(v, list) else v) for k, v in volume["hints"].items())
     values = {name: value for name, value in data.items() if name not in ("kind", "volume")}

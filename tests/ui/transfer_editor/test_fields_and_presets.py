@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtGui import QColor, QImage
-from PySide6.QtWidgets import QColorDialog
+from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtGui import QColor, QFocusEvent, QImage
+from PySide6.QtWidgets import QApplication, QColorDialog
 
 from tests.ui.transfer_editor.conftest import ct_like, documents_of, show, start_function
 from volviz.errors import VolvizError
@@ -78,6 +78,8 @@ def test_a_rejected_colour_dialog_leaves_everything_as_it_was(editor, store, qtb
     editor.model.select({1})
     qtbot.keyClick(editor.plot, Qt.Key.Key_C)
     dialog = editor.findChild(QColorDialog)
+    # the plot loses the focus to the dialog
+    QApplication.sendEvent(editor.plot, QFocusEvent(QEvent.Type.FocusOut))
     dialog.setCurrentColor(QColor(0, 255, 0))
     dialog.reject()
     assert function(store) == start_function()

@@ -55,7 +55,6 @@ from volviz_ui.views.view_controller import ViewController
 from volviz_ui.views.view_grid import ViewGrid
 from volviz_ui.views.viewport import Viewport
 from volviz_ui.widgets.binding import show_value
-from volviz_ui.widgets.docks import VERSION as LAYOUT_VERSION
 from volviz_ui.widgets.docks import Docks
 
 MEMORY_DELAY_MS = 2000
@@ -81,6 +80,7 @@ class MainWindow(QMainWindow):
         autosave_folder: Path | None = None,
     ) -> None:
         super().__init__()
+        self._may_close = False
         self.theme = theme
         self.preferences = preferences if preferences is not None else Preferences()
         self.store = Store()
@@ -91,7 +91,7 @@ class MainWindow(QMainWindow):
         self.compilers.gate = self.gate
         self.documents = Documents(self.store, self.workers, self)
         self.setWindowIcon(app_icon())
-        self.setWindowTitle("VolViz")
+        self.setWindowTitle("VolViz[*]")
         self.setAcceptDrops(True)
         self.setDockOptions(
             QMainWindow.DockOption.AllowTabbedDocks
@@ -223,6 +223,7 @@ class MainWindow(QMainWindow):
         self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
         self.compare_commands.report_requested.connect(self.reports.write_report)
         self.documents.opened.connect(self._on_opened)
+        self.session_commands.unsaved.changed.connect(self.setWindowModified)
         self.views.failed.connect(self.gate.open)
         self.views.status_changed.connect(self._on_status_changed)
         self.views.function_drag_started.connect(self.transfer_editor.begin_shift_stretch)
@@ -243,9 +244,9 @@ class MainWindow(QMainWindow):
         self.view_commands.restore()
         self.resize(1400, 900)
         kept = self.preferences.window
-        # one or the other: Qt leaves a tab bar over the menu when panels in tabs are arranged twice
-        if kept is None or not self.restoreState(kept[1], LAYOUT_VERSION):
-            self.docks.reset()
+        self.docks.reset()
+        if kept is not None:
+            self.docks.restore(kept[1])
         if kept is not None:
             self.restoreGeometry(kept[0])
 
@@ -263,7 +264,8 @@ class MainWindow(QMainWindow):
             self.preferences.add_recent(opened.key)
 
     def _show_volume(self, volume: Volume | None) -> None:
-        self.setWindowTitle("VolViz" if volume is None else f"{volume.name} – VolViz")
+        # [*] is where the system shows that something is unsaved
+        self.setWindowTitle("VolViz[*]" if volume is None else f"{volume.name}[*] – VolViz")
         self._memory_timer.start()
         if volume is not None:
             # where there is no machine code on disk yet, nobody shall wait for it later
@@ -325,6 +327,10 @@ class MainWindow(QMainWindow):
         else:
             super().keyPressEvent(event)
 
+    def _close_for_good(self) -> None:
+        self._may_close = True
+        self.close()
+
     def changeEvent(self, event: QEvent) -> None:
         """The window manager may end the full screen, too."""
         super().changeEvent(event)
@@ -332,13 +338,18 @@ class MainWindow(QMainWindow):
             self.commands.refresh()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Remember the layout; end the work and release the GPU while the context lives."""
+        """Ask about unsaved changes; remember the layout, end the work, release the GPU while the context lives."""
+        if self.session_commands.must_ask and not self._may_close:
+            event.ignore()
+            self.session_commands.unless_unsaved(self._close_for_good)
+            return
         if not self.isFullScreen():
-            self.preferences.window = (self.saveGeometry(), self.saveState(LAYOUT_VERSION))
+            self.preferences.window = (self.saveGeometry(), self.docks.state())
         self.pointer.stop()
         self._memory_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
+        self.session_commands.unsaved.close()
         self.file_commands.close()
         self.ray_inspector.close()
         self.transfer_editor.close_workers()

@@ -49,7 +49,8 @@ class CompareCommands(QObject):
                 ),
                 Command(
                     "compare.split", tr("&Two views"), tr("Compare two techniques or settings, with one camera"),
-                    self.split, keys=("Ctrl+2",), icon="square-half", checked=_several,
+                    self.split, keys=("Ctrl+2",), icon="square-half",
+                    checked=lambda state: len(state.scene.views) == 2,
                 ),
                 Command(
                     "compare.four_views", tr("&Four views"), tr("Compare four of them"),

@@ -53,7 +53,13 @@ class EditCommands(QObject):
     def show_preferences(self) -> PreferencesDialog:
         """Open the preferences."""
         preferences = self._context.preferences
-        dialog = PreferencesDialog(self._context.theme.choice, preferences.quality, self._context.window)
+        dialog = PreferencesDialog(
+            self._context.theme.choice,
+            preferences.quality,
+            asks=preferences.asks_about_changes,
+            parent=self._context.window,
+        )
+        dialog.asking_chosen.connect(lambda on: setattr(preferences, "asks_about_changes", on))
         dialog.theme_chosen.connect(self.set_theme)
         dialog.quality_chosen.connect(self._views.set_quality)
         dialog.finished.connect(dialog.deleteLater)

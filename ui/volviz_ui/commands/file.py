@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QKeySequence
@@ -14,7 +15,7 @@ from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import VolumeKey, is_address
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
-from volviz_ui.commands.session import SessionCommands
+from volviz_ui.commands.session import SessionCommands, file_stem
 from volviz_ui.dialogs.choose_entry import ChooseEntryDialog
 from volviz_ui.dialogs.export_image import ExportImageDialog
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
@@ -79,9 +80,14 @@ class FileCommands(QObject):
                     tr("Restore a whole scene: volume, colours, technique, camera"), self._sessions.open_session,
                 ),
                 Command(
-                    "file.save_session", tr("Sa&ve session…"), tr("Save the whole scene, to go on another day"),
+                    "file.save_session", tr("Sa&ve session"), tr("Save the whole scene, to go on another day"),
                     self._sessions.save_session, keys=(standard.Save,), icon="floppy-disk", enabled=has_volume,
                 ),
+                Command(
+                    "file.save_session_as", tr("Save session &as…"), tr("Save the whole scene in another file"),
+                    self._sessions.save_session_as, keys=("Ctrl+Shift+S",), enabled=has_volume,
+                ),
+                Menu(tr("&Unsaved work"), self._sessions.left_entries),
                 None,
                 Command(
                     "file.save_volume", tr("Save vo&lume…"),
@@ -128,11 +134,11 @@ class FileCommands(QObject):
             )
             for key in keys
         ]
-        forget = tr("Empty the list of files opened last")
+        forget = tr("Forget which files were opened")
         return [
             *entries,
             None,
-            Command("file.recent.forget", tr("Forget these"), forget, preferences.forget_recent),
+            Command("file.recent.forget", tr("Clear this list"), forget, preferences.forget_recent),
         ]
 
     def _samples(self) -> list[Command]:
@@ -141,14 +147,18 @@ class FileCommands(QObject):
         return [
             Command(
                 f"file.sample.{sample.id}", _literal(sample.label), f"{sample.description}\n{sample.licence}",
-                partial(self._context.documents.open, SAMPLE_PREFIX + sample.id),
+                partial(self._open, SAMPLE_PREFIX + sample.id),
             )
             for sample in samples()
         ]  # fmt: skip
 
     def _open_again(self, key: VolumeKey) -> None:
         hints = dict(key.ref.hints)
-        self._context.documents.open(key.ref.source, channel=key.channel, time=key.time, **hints)
+        self._open(key.ref.source, channel=key.channel, time=key.time, **hints)
+
+    def _open(self, source: str, **how: Any) -> None:
+        """Show another volume, once nothing unsaved is in its way."""
+        self._sessions.unless_unsaved(partial(self._context.documents.open, source, **how))
 
     # ------------------------------------------------------------------ opening
 
@@ -232,16 +242,16 @@ class FileCommands(QObject):
             return
         self._context.preferences.folder = str(Path(path).parent)
         if path.endswith(SESSION_SUFFIX):
-            self._sessions.open_path(path)
+            self._sessions.unless_unsaved(partial(self._sessions.open_path, path))
         elif is_raw(path) and Path(path).is_file() and len(hints_from_name(path)) < 2:
             self.ask_how_to_read(path)
         else:
-            self._context.documents.open(path)
+            self._open(path)
 
     def ask_how_to_read(self, path: str) -> RawImportDialog:
         """Open the dialog for raw files; the file is opened when it is accepted."""
         dialog = RawImportDialog(path, self._context.window)
-        dialog.accepted.connect(lambda: self._context.documents.open(path, **dialog.hints))
+        dialog.accepted.connect(lambda: self._open(path, **dialog.hints))
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
@@ -278,11 +288,14 @@ class FileCommands(QObject):
         return dialog
 
     def _ask_where(self, size: tuple[int, int], *, transparent: bool) -> None:
-        start = str(Path(self._context.preferences.folder) / "volviz.png")
+        layer, preferences = self._context.store.scene.layer, self._context.preferences
+        name = file_stem(layer.name) if layer is not None else "volviz"
+        start = str(Path(preferences.folder_of("picture")) / f"{name}.png")
         path, _filter = QFileDialog.getSaveFileName(
             self._context.window, self.tr("Save the picture"), start, IMAGES
         )
         if path:
+            preferences.set_folder_of("picture", path)
             self.save_image(path, size, transparent=transparent)
 
     def save_image(self, path: str, size: tuple[int, int], *, transparent: bool) -> ImageExport | None:
@@ -332,9 +345,9 @@ class FileCommands(QObject):
             return None
         dialog = SaveVolumeDialog(
             source or ArraySource(volume), volume, layer.channel, layer.time, documents.shown.scene.clipping.crop,
-            self._context.workers, self._context.preferences.folder, self._context.window,
+            self._context.workers, self._context.preferences.folder_of("volume"), self._context.window,
         )  # fmt: skip
-        dialog.saved.connect(self._on_file_saved)
+        dialog.saved.connect(partial(self._on_file_saved, "volume"))
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
@@ -344,16 +357,15 @@ class FileCommands(QObject):
         summary = self._context.surface.summary
         if summary is None or not summary.metrics.faces or not shows_mesh(self._context.store.scene):
             return None
-        dialog = ExportMeshDialog(
-            summary, self._context.workers, self._context.preferences.folder, self._context.window
-        )
-        dialog.saved.connect(self._on_file_saved)
+        folder = self._context.preferences.folder_of("mesh")
+        dialog = ExportMeshDialog(summary, self._context.workers, folder, self._context.window)
+        dialog.saved.connect(partial(self._on_file_saved, "mesh"))
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
 
-    def _on_file_saved(self, path: str) -> None:
-        self._context.preferences.folder = str(Path(path).parent)
+    def _on_file_saved(self, what: str, path: str) -> None:
+        self._context.preferences.set_folder_of(what, path)
         self._context.messages.show_status(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
 
     def copy_image(self) -> ImageCopy:

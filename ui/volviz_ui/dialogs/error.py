@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import traceback
+from pathlib import Path
 
 from PySide6.QtCore import QCoreApplication
 from PySide6.QtGui import QFontDatabase
@@ -16,10 +17,15 @@ def sentence_of(error: BaseException) -> str:
     """What to tell: our own errors are sentences already, others get one."""
     if isinstance(error, VolvizError):
         text = str(error)
+    elif isinstance(error, OSError) and error.filename:
+        # the system's own words say what is the matter
+        text = f"{Path(str(error.filename)).name}: {error.strerror}"
     else:
         words = QCoreApplication.translate("ErrorDialog", "Something unexpected happened: %1")
         text = words.replace("%1", f"{type(error).__name__}, {error}".rstrip(", "))
-    text = text[:1].upper() + text[1:]
+    # a name of a file at the beginning stays as it is written
+    if text.partition(" ")[0].isalpha():
+        text = text[:1].upper() + text[1:]
     return text if text.endswith((".", "!", "?")) else text + "."
 
 
@@ -37,6 +43,9 @@ def error_box(parent: QWidget, title: str, error: BaseException) -> QMessageBox:
     box.setText(sentence_of(error))
     box.setDetailedText(details_of(error))
     box.setStandardButtons(QMessageBox.StandardButton.Close)
+    # not "Show details", which Qt would take
+    box.setDefaultButton(QMessageBox.StandardButton.Close)
+    box.setEscapeButton(QMessageBox.StandardButton.Close)
     for view in box.findChildren(QTextEdit):
         view.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
         view.setMinimumWidth(520)

@@ -1,21 +1,22 @@
-"""Preferences: theme and quality while moving; every choice acts at once."""
+"""Preferences: theme, quality while moving, questions; every choice acts at once."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
 
 from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.widgets.small import quiet_label
 
 
 class PreferencesDialog(QDialog):
-    """Two lists; nothing has to be confirmed."""
+    """Two lists and a check box; nothing has to be confirmed."""
 
     theme_chosen = Signal(str)
     quality_chosen = Signal(str)
+    asking_chosen = Signal(bool)
 
-    def __init__(self, theme: str, quality: str, parent: QWidget | None = None) -> None:
+    def __init__(self, theme: str, quality: str, *, asks: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setWindowTitle(self.tr("Preferences"))
         self.theme = self._list(
@@ -34,6 +35,11 @@ class PreferencesDialog(QDialog):
         form.setVerticalSpacing(8)
         form.addRow(self.tr("Theme"), self.theme)
         form.addRow(self.tr("Quality while moving"), self.quality)
+        self.asks = QCheckBox(self.tr("Ask before unsaved changes are lost"), self)
+        self.asks.setToolTip(self.tr("When the program is closed or another volume is opened"))
+        self.asks.setChecked(asks)
+        self.asks.toggled.connect(self.asking_chosen)
+        form.addRow("", self.asks)
         hint: QLabel = quiet_label(
             self.tr("At rest the picture is always complete; exported pictures are too.")
         )

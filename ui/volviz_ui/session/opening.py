@@ -16,7 +16,7 @@ from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.label_indices import label_indices_of
-from volviz.volume_data.references import VolumeKey, VolumeRef
+from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
 from volviz.volume_data.scalars import bricks_of
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
@@ -101,7 +101,9 @@ def open_volume(
         One of them is to be chosen first.
     """
     task.report(-1.0, "")
-    source = source or open_source(key.ref, task)
+    # what was known of a file that has changed since then, or has gone, means nothing
+    if source is None or content_id(key.ref.source) != key.ref.content_id:
+        source = open_source(key.ref, task)
     images = [entry for entry in source.entries if not entry.is_labels]
     if first and scene is None and len(images) > 1 and "series" not in dict(key.ref.hints):
         raise SeveralImages(key, source.entries, adds=adds)

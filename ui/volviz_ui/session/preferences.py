@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any, cast
 
 from PySide6.QtCore import QByteArray, QSettings
@@ -68,6 +69,23 @@ class Preferences:
     @folder.setter
     def folder(self, value: str) -> None:
         self._settings.setValue("folder", value)
+
+    def folder_of(self, what: str) -> str:
+        """The folder where files of a kind were last: "picture", "mesh", "volume", "session"; at first that of data."""
+        return str(self._settings.value(f"folders/{what}", self.folder))
+
+    def set_folder_of(self, what: str, path: str) -> None:
+        """Remember the folder of a file."""
+        self._settings.setValue(f"folders/{what}", str(Path(path).parent))
+
+    @property
+    def asks_about_changes(self) -> bool:
+        """Whether unsaved changes are asked about before they go."""
+        return str(self._settings.value("asks_about_changes", True)).lower() == "true"
+
+    @asks_about_changes.setter
+    def asks_about_changes(self, value: bool) -> None:
+        self._settings.setValue("asks_about_changes", value)
 
     def shows(self, name: str, default: bool) -> bool:
         """Whether something optional is shown in the viewport."""

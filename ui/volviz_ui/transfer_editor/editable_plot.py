@@ -18,6 +18,9 @@ class EditablePlot(PlotView):
     fields_requested = Signal()
     marker_moved = Signal(int, float)
 
+    key_is_held = False
+    """Whether a key that is held down has begun a gesture."""
+
     # ------------------------------------------------------------------ isovalues
 
     def choose_next_marker(self) -> None:

@@ -65,6 +65,7 @@ def press_key(plot: EditablePlot, event: QKeyEvent) -> bool:
     if event.key() in HELD and not plot.model.in_gesture:
         # until the key is let go: holding it down is one step of the history
         plot.model.begin()
+        plot.key_is_held = True
     action()
     event.accept()
     return True

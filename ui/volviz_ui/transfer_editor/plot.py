@@ -210,15 +210,20 @@ class TransferPlot(EditablePlot):
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
         """A key that was held down is let go: what it has done is one step."""
-        if event.key() in HELD and not event.isAutoRepeat() and self._gesture is None:
-            self.model.finish()
+        if event.key() in HELD and not event.isAutoRepeat():
+            self._let_go()
         super().keyReleaseEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """The release of a held key goes elsewhere."""
-        if self._gesture is None:
-            self.model.finish()
+        self._let_go()
         super().focusOutEvent(event)
+
+    def _let_go(self) -> None:
+        """End what a held key has begun, and nothing that others have, as the colour dialog."""
+        if self.key_is_held:
+            self.key_is_held = False
+            self.model.finish()
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Nor does a plot that is not seen hear that the button is let go."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from volviz.errors import LoadError
 from volviz.model.render_spec import View
 from volviz.model.surface_values import SurfaceColors
 from volviz.renderer import Renderer
@@ -168,5 +170,9 @@ def write_image(pixels: npt.NDArray[np.uint8], path: Path, task: Task) -> None:
         Image.fromarray(pixels).save(part)
         task.report(1.0)
         part.replace(path)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise LoadError(f"{path} cannot be written: {why}; choose another folder.") from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QMainWindow, QWidget
+from PySide6.QtCore import QByteArray, QObject, Qt
+from PySide6.QtWidgets import QMainWindow, QTabBar, QWidget
 
 from volviz_ui.widgets.dock import Dock
 
@@ -25,6 +25,7 @@ class Docks(QObject):
         super().__init__(window)
         self._window = window
         self._docks: dict[str, Dock] = {}
+        self._home: QByteArray | None = None
         window.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
         window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.BottomDockWidgetArea)
 
@@ -61,8 +62,34 @@ class Docks(QObject):
         else:
             self[name].close()
 
+    def restore(self, state: QByteArray) -> bool:
+        """Put all docks where `QMainWindow.saveState` found them; False when that was another set of docks."""
+        direct = Qt.FindChildOption.FindDirectChildrenOnly
+        before = self._window.findChildren(QTabBar, options=direct)
+        restored = bool(self._window.restoreState(state, VERSION))
+        if restored:
+            # Qt makes new bars of tabs, and leaves the old ones where they were
+            for bar in before:
+                bar.hide()
+        return restored
+
+    def state(self) -> QByteArray:
+        """Where all docks are, to be remembered."""
+        return self._window.saveState(VERSION)
+
     def reset(self) -> None:
         """All panels docked, where they belong."""
+        window = self._window
+        if self._home is None:
+            self._arrange()
+            self._home = self.state()
+        else:
+            # a dock that is put into its tabs twice has a place in both
+            self.restore(self._home)
+        window.resizeDocks([self["data"], self["technique"]], SIDE_WIDTHS, Qt.Orientation.Horizontal)
+        window.resizeDocks([self["transfer"]], [FOOT_HEIGHT], Qt.Orientation.Vertical)
+
+    def _arrange(self) -> None:
         window = self._window
         for name, area in (
             ("data", Qt.DockWidgetArea.LeftDockWidgetArea),
@@ -80,5 +107,3 @@ class Docks(QObject):
             self[name].setFloating(False)
             window.tabifyDockWidget(self[place], self[name])
             self[name].hide()
-        window.resizeDocks([self["data"], self["technique"]], SIDE_WIDTHS, Qt.Orientation.Horizontal)
-        window.resizeDocks([self["transfer"]], [FOOT_HEIGHT], Qt.Orientation.Vertical)
