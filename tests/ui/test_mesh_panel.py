@@ -184,7 +184,7 @@ def test_a_mesh_is_exported_as_it_is_shown(
     wait_for(lambda: meshes.findChild(ExportMeshDialog) is None)
     assert asked[0].endswith(ending)
     assert ending in asked[1]
-    assert meshes.preferences.folder == str(tmp_path)
+    assert meshes.preferences.folder_of("mesh") == str(tmp_path)
     found = trimesh.load(target, force="mesh", process=False)
     metrics = meshes.surface.summary.metrics
     assert len(found.faces) == metrics.faces
