@@ -68,4 +68,4 @@ def test_an_address_is_asked_for_and_opened(bare_window: MainWindow, wait_for: W
     assert button.isEnabled()
     QTest.keyClick(dialog.field, Qt.Key.Key_Return)
     wait_for(lambda: shown(bare_window) == (6, 5, 4))
-    assert bare_window.windowTitle().startswith("v ")
+    assert bare_window.windowTitle().startswith("v")
