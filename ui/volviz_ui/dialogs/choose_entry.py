@@ -85,7 +85,7 @@ class ChooseEntryDialog(QDialog):
 
     def _item(self, entry: Entry) -> QTreeWidgetItem:
         group, _, last = entry.name.rpartition("/")
-        name = entry.title if entry.title and last.isdecimal() else last
+        name = f"{last}: {entry.title}" if entry.title and last.isdecimal() else last
         item = QTreeWidgetItem(
             [name or self.tr("The image itself"), " × ".join(str(n) for n in entry.sizes), entry.dtype, _memory(entry)]
         )  # fmt: skip
