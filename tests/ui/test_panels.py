@@ -144,6 +144,8 @@ def test_the_panel_of_every_technique_builds_and_shows_its_settings(window: Main
     number = [i.id for i in drawing_techniques()].index(info.id) + 1
     if number <= 9:
         QTest.keyClick(window, str(number))
+    else:
+        choose_technique(window.store, info.id)
     assert window.store.scene.view.technique == info.id
     form = window.technique_panel.form
     assert form is not None
