@@ -6,6 +6,7 @@ Without names all of them are drawn into docs/images/. The window's image needs 
 from __future__ import annotations
 
 import argparse
+import os
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,8 +17,11 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import volviz
-from volviz.custom_gl.framing import default_camera
+from volviz.custom_gl.arguments import spec_of
+from volviz.custom_gl.framing import default_camera, layers_camera
+from volviz.custom_gl.resolve import resolve
 from volviz.kernels.histogram import joint_histogram
+from volviz.model.layer_looks import named_look
 from volviz.model.transfer.function_2d import Region, TransferFunction2D
 from volviz.model.transfer.presets import preset_for
 
@@ -113,6 +117,31 @@ def draw_modes() -> None:
         for mode in modes
     ]  # fmt: skip
     save(side_by_side(images, 3), "modes")
+
+
+def draw_layers() -> None:
+    """Channels of a cell, and an atlas inside a head; of files in the folder of test data, where it is there."""
+    folder = Path(os.environ.get("VOLVIZ_TEST_DATA", FOLDER.parents[2] / "shared" / "data"))
+    cells, atlas = folder / "xyzct-mitosis.tif", folder / "layers" / "aal.nii.gz"
+    if not (cells.exists() and atlas.exists()):
+        print(
+            f"layers: {folder} does not hold {cells.name} and layers/{atlas.name}; the picture stays as it is."
+        )
+        return
+    source = volviz.open(cells)
+    channels = [
+        volviz.ImageLayer(source, named_look(color, source.read(channel=n)), channel=n)
+        for n, color in enumerate(("green", "magenta"))
+    ]
+    head = volviz.load("sample:mri-head")
+    layers = [volviz.ImageLayer(head, preset_for("mri", head)), volviz.LabelLayer(volviz.open(atlas))]
+    pictures = []
+    for shown in (channels, layers):
+        seen = resolve(spec_of(shown)).seen
+        camera = layers_camera(seen, SIZE, elevation=25.0 if shown is channels else 0.0)
+        pixels = volviz.render(shown, size=SIZE, camera=camera, background=BACKGROUND)
+        pictures.append(Image.fromarray(pixels).convert("RGB"))
+    save(side_by_side(pictures, 2), "layers")
 
 
 def draw_regions() -> None:
@@ -334,6 +363,7 @@ DRAWINGS: dict[str, Callable[[], None]] = {
     "techniques": draw_techniques,
     "slices": draw_slices,
     "modes": draw_modes,
+    "layers": draw_layers,
     "comparison": draw_comparison,
     "regions": draw_regions,
     "window": draw_window,

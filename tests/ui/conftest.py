@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, QSettings, Qt
+from PySide6.QtCore import QByteArray, QEvent, QPoint, QPointF, QSettings, Qt
 from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
@@ -27,7 +27,7 @@ from volviz_ui.style.theme import Theme
 from volviz_ui.views.annotations import background_image
 
 #: Width and height of the window in pixels.
-WINDOW_SIZE = (1100, 760)
+WINDOW_SIZE = (960, 660)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -123,8 +123,8 @@ def window(bare_window: MainWindow, ball_file: str, wait_for: Callable[..., None
 @pytest.fixture(scope="module")
 def window_of_the_file(
     qapp: QApplication, theme: Theme, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[tuple[MainWindow, Scene]]:
-    """One window with the ball for all tests of a file, and the scene that it opened with.
+) -> Iterator[tuple[MainWindow, Scene, QByteArray]]:
+    """One window with the ball for all tests of a file, and the scene and the docks that it opened with.
 
     What it leaves behind is looked for when the file ends; its tests are marked `leaks_allowed`.
     """
@@ -137,19 +137,21 @@ def window_of_the_file(
         window.open(str(save_ball(folder / "ball.npy", 200)))
         run_until(lambda: window.documents.volume is not None)
         run_until(lambda: is_complete(window))
-        yield window, window.store.scene
+        yield window, window.store.scene, window.saveState()
     if leaks := watch.leaks():
         pytest.fail("The window left behind:\n  " + "\n  ".join(leaks), pytrace=False)
 
 
 @pytest.fixture
-def same_window(window_of_the_file: tuple[MainWindow, Scene]) -> MainWindow:
-    """The window of the file with the scene, size and history that it began with, fully drawn.
+def same_window(qapp: QApplication, window_of_the_file: tuple[MainWindow, Scene, QByteArray]) -> MainWindow:
+    """The window of the file with the scene, docks, size and history that it began with, fully drawn.
 
     For tests that are not about how a window begins or ends; a new one takes a second.
     """
-    window, scene = window_of_the_file
+    window, scene, docks = window_of_the_file
+    settle(qapp)
     window.resize(*WINDOW_SIZE)
+    window.restoreState(docks)
     window.store.update(scene, record=False)
     window.store.clear_history()
     window.activateWindow()

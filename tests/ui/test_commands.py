@@ -31,6 +31,14 @@ from volviz_ui.style.theme import Theme
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def save(
     window: MainWindow, wait_for: Wait, path: Path, size: tuple[int, int], *, transparent: bool
@@ -186,11 +194,15 @@ def test_copying_can_be_cancelled_and_the_clipboard_keeps_what_it_has(
 
 
 @pytest.mark.usefixtures("slow_drawing")
-def test_a_window_that_closes_gives_up_copying(window: MainWindow) -> None:
-    window.technique_commands.refine(1)
-    copy = window.file_commands.copy_image()
+def test_a_window_that_closes_gives_up_copying(
+    bare_window: MainWindow, ball_file: str, wait_for: Wait
+) -> None:
+    bare_window.open(ball_file)
+    wait_for(lambda: is_complete(bare_window))
+    bare_window.technique_commands.refine(1)
+    copy = bare_window.file_commands.copy_image()
     assert not copy.is_over
-    window.close()
+    bare_window.close()
     assert copy.is_over
 
 

@@ -22,7 +22,16 @@ from volviz_ui.views.difference_image import array_of
 from volviz_ui.views.viewport import Viewport
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_images")
+pytestmark = [
+    pytest.mark.usefixtures("first_full_images"),
+    pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends"),
+]
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
 
 
 def image_of(viewport: Viewport) -> np.ndarray:

@@ -31,7 +31,16 @@ from volviz_ui.app.main_window import MainWindow
 from volviz_ui.views.fitting import fitted, reach
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_images")
+pytestmark = [
+    pytest.mark.usefixtures("first_full_images"),
+    pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends"),
+]
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
 
 
 @pytest.fixture

@@ -21,7 +21,16 @@ from volviz_ui.views.difference_image import array_of
 from volviz_ui.views.divider import Divider
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_images")
+pytestmark = [
+    pytest.mark.usefixtures("first_full_images"),
+    pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends"),
+]
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
 
 
 @pytest.fixture
@@ -169,6 +178,8 @@ def test_the_difference_of_a_picture_with_itself_is_nothing(window: MainWindow, 
 
 
 def test_the_difference_is_that_of_the_exported_pictures(pair: MainWindow, wait_for: Wait) -> None:
+    # wide enough that the colour bar leaves most of the image free
+    pair.resize(1100, 760)
     enter(pair, "difference", wait_for)
     view = pair.views.arrangement.difference
     images = exported(pair)

@@ -17,6 +17,14 @@ from volviz_ui.app.main_window import MainWindow
 Wait = Callable[..., None]
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def move_held(widget: QWidget, to: QPoint) -> None:
     """The pointer moves with the left button held."""

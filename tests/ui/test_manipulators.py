@@ -17,6 +17,14 @@ from volviz_ui.app.main_window import MainWindow
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def show(window: MainWindow, technique: str, wait_for: Wait) -> None:
     choose_technique(window.store, technique)
@@ -134,6 +142,8 @@ def test_handles_are_switched_off_for_good_and_are_not_in_copied_pictures(
     x, y = np.argwhere(np.abs(with_manipulator - without).max(axis=2) > 100)[0][::-1]
     color = copied.pixelColor(int(x), int(y))
     assert (color.red(), color.green(), color.blue()) == pytest.approx(tuple(without[y, x]), abs=2)
+    window.commands["view.handles"].trigger()
+    assert window.viewport.manipulators is not None
 
 
 def test_techniques_without_handles_show_none(window: MainWindow, wait_for: Wait) -> None:

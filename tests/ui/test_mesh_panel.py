@@ -29,6 +29,14 @@ from volviz_ui.panels.mesh_section import words_of
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def change(window: MainWindow, name: str, value: Any) -> None:
     """Change a setting as its editor does."""
@@ -176,7 +184,7 @@ def test_a_mesh_is_exported_as_it_is_shown(
     wait_for(lambda: meshes.findChild(ExportMeshDialog) is None)
     assert asked[0].endswith(ending)
     assert ending in asked[1]
-    assert meshes.preferences.folder == str(tmp_path)
+    assert meshes.preferences.folder_of("mesh") == str(tmp_path)
     found = trimesh.load(target, force="mesh", process=False)
     metrics = meshes.surface.summary.metrics
     assert len(found.faces) == metrics.faces

@@ -116,7 +116,6 @@ def test_undo_reads_a_file_again_when_it_has_left_the_cache(
 def test_undo_to_a_file_that_is_gone_keeps_what_is_shown(
     window: MainWindow, ball_file: str, other_file: str, wait_for: Wait
 ) -> None:
-    # without a name for the first volume, which would keep it at hand
     window.open(other_file)
     wait_for(lambda: window.documents.volume.dimensions == (24, 24, 24))
     wait_for(lambda: is_complete(window))

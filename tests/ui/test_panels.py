@@ -145,7 +145,7 @@ def test_the_panel_of_every_technique_builds_and_shows_its_settings(window: Main
     if number <= 9:
         QTest.keyClick(window, str(number))
     else:
-        window.commands[f"technique.use.{info.id}"].trigger()
+        choose_technique(window.store, info.id)
     assert window.store.scene.view.technique == info.id
     form = window.technique_panel.form
     assert form is not None

@@ -24,6 +24,14 @@ THIN = TransferFunction.from_points(
     [(0, (0, 0, 0.4, 0.0)), (60, (0.2, 0.9, 0.3, 0.02)), (200, (1, 0.6, 0.2, 0.05))]
 )
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 def settle(window: MainWindow, wait_for: Wait) -> None:
     wait_for(lambda: is_complete(window) and window.ray_inspector.is_settled)
@@ -100,13 +108,15 @@ def test_the_reason_follows_clip_planes_and_opaque_geometry(inspecting: MainWind
     inspecting.commands["edit.undo"].trigger()
     import pyvista as pv
 
-    inspecting.viewport.add_mesh(pv.Sphere(radius=2.0, center=volume.center), reset_camera=False)
+    sphere = pv.Sphere(radius=2.0, center=volume.center)
+    actor = inspecting.viewport.add_mesh(sphere, reset_camera=False)
     inspecting.viewport.render()
     settle(inspecting, wait_for)
     wait_for(lambda: inspecting.ray_panel.plot.found.ends == "mesh")
     half = inspecting.ray_panel.plot.found
     eye = np.asarray(half.span.start) + half.span.exit * np.asarray(half.span.direction)
     assert np.linalg.norm(eye - volume.center) == pytest.approx(2.0, abs=0.1)
+    inspecting.viewport.remove_actor(actor)
 
 
 def test_hovering_a_sample_marks_its_value_in_the_editor(inspecting: MainWindow, wait_for: Wait) -> None:

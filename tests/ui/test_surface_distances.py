@@ -22,7 +22,16 @@ from volviz_ui.compare import surface_distances
 from volviz_ui.session.script import script_of
 
 Wait = Callable[..., None]
-pytestmark = pytest.mark.usefixtures("first_full_images")
+pytestmark = [
+    pytest.mark.usefixtures("first_full_images"),
+    pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends"),
+]
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
 
 
 def handles(window: MainWindow) -> list[Any]:
@@ -191,6 +200,9 @@ def test_the_distance_can_be_given_up_while_it_is_measured(
 
     monkeypatch.setattr(surface_distances, "distance_maps", endless)
     section = surfaces.compare_panel.distances
+    # a pair that no other test has measured
+    isovalue_of(surfaces, 1, 77.0)
+    section.bar.setValue(0)
     surfaces.commands["compare.distances"].trigger()
     wait_for(lambda: section.bar.value() >= 500)
     assert not section.cancel_button.isHidden()

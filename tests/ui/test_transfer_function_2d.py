@@ -23,6 +23,14 @@ from volviz_ui.session.script import script_of
 
 Wait = Callable[..., None]
 
+pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searched when the file ends")
+
+
+@pytest.fixture
+def window(same_window: MainWindow) -> MainWindow:
+    """These tests are about what happens in a window that is there."""
+    return same_window
+
 
 @pytest.fixture
 def planar(window: MainWindow, wait_for: Wait) -> MainWindow:

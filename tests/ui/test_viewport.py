@@ -27,6 +27,13 @@ def window(same_window: MainWindow) -> MainWindow:
     return same_window
 
 
+def enlarge(window: MainWindow, wait_for: Wait) -> None:
+    """A viewport with room around the volume, and for numbers at the axes."""
+    window.resize(1100, 760)
+    QTest.qWait(100)
+    wait_for(lambda: is_complete(window))
+
+
 def centre(window: MainWindow) -> QPoint:
     return window.viewport.rect().center()
 
@@ -71,6 +78,8 @@ def test_the_wheel_zooms_and_the_camera_is_committed_when_it_rests(
 
 
 def test_a_shift_drag_pushes_the_volume_along(window: MainWindow, wait_for: Wait) -> None:
+    enlarge(window, wait_for)
+
     def middle() -> tuple[float, float]:
         rows, columns = np.nonzero(foreground(window))
         return float(columns.mean()), float(rows.mean())
@@ -301,6 +310,7 @@ def test_another_size_of_the_window_gives_a_right_picture(window: MainWindow, wa
 
 
 def test_box_axes_marker_and_bar_can_be_switched(window: MainWindow, wait_for: Wait) -> None:
+    enlarge(window, wait_for)
     for name in ("box", "axes", "marker", "bar"):
         action = window.commands[f"view.{name}"]
         off = image(window)

@@ -179,7 +179,7 @@ def layer_function(layer: ImageLayer, volume: Volume) -> TransferFunction:
     function = layer.transfer_function
     if function is None and (layer.color is not None or layer.window is not None):
         color = layer.color or (1.0, 1.0, 1.0)
-        low, high = layer.window or volume.range
+        low, high = layer.window or volume.data_range
         function = TransferFunction.from_points([(low, (*color, 0.0)), (high, (*color, 1.0))])
     if function is None:
         function = _auto_functions.get(volume)

@@ -54,16 +54,26 @@ class FileSource(VolumeSource):
         Reads the level, time point, channel and box of a job, from any thread.
     entries : sequence of Entry
         All that the file holds, where it holds several images or arrays.
+    is_rescaled : bool, default: False
+        Whole numbers are rescaled to the smallest type that holds all of them (`volviz.io.scaling.rescaled`).
     """
 
     def __init__(
-        self, load: LoadRequest, description: Description, values: Values, entries: Sequence[Entry] = ()
+        self,
+        load: LoadRequest,
+        description: Description,
+        values: Values,
+        entries: Sequence[Entry] = (),
+        *,
+        is_rescaled: bool = False,
     ) -> None:
         super().__init__(description)
         # who opened it need not be told of what is read
         self.load = replace(load, progress=None, cancel=None)
         self.values = values
         self._entries = tuple(entries)
+        self._is_rescaled = is_rescaled
+        self._types: dict[tuple[int, int, int | None], np.dtype[Any]] = {}
 
     @property
     def entries(self) -> tuple[Entry, ...]:
@@ -99,6 +109,8 @@ class FileSource(VolumeSource):
         )  # fmt: skip
         with told_in_a_sentence(load):
             array = self.values(load)
+            if self._is_rescaled and array.dtype.kind in "iu":
+                array = array.astype(self._type_of_all(request, load, array.dtype), copy=False)
         if array.dtype.kind == "f" and array.dtype.itemsize > 8:
             # nothing that draws takes more than doubles
             array = array.astype(np.float64)
@@ -106,6 +118,19 @@ class FileSource(VolumeSource):
             return self.placed(array, request, notes=tuple(load.notes))
         except InputError as error:
             raise LoadError(str(error)) from None
+
+    def _type_of_all(self, request: ReadRequest, load: LoadRequest, found: np.dtype[Any]) -> np.dtype[Any]:
+        """The type that all values of a time point and channel have, also where a box of them needs a smaller one."""
+        part = request.level, request.time, request.channel
+        if request.box is None:
+            self._types[part] = found
+        elif part not in self._types:
+            try:
+                self._types[part] = self.values(replace(load, box=None, notes=[])).dtype
+            except LoadError:
+                # the rest is damaged, or does not fit into memory
+                return found
+        return self._types[part]
 
 
 @contextmanager
@@ -145,6 +170,7 @@ def file_source(
     channels: Sequence[Channel] = (),
     times: Sequence[float] | None = None,
     is_labels: bool = False,
+    is_rescaled: bool = False,
     statistics: Statistics | None = None,
     labels: Sequence[Label] = (),
     unit: str = "",
@@ -169,6 +195,8 @@ def file_source(
         Type of the values as the file stores them. Both decide whether components are colours (see `to_zyx`).
     channels, times, is_labels, labels, statistics, unit, length_unit
         As in `Description`; what does not fit the axes is left out.
+    is_rescaled
+        As in `FileSource`.
     coarser : sequence of (dimensions, Geometry)
         Further levels, each coarser than the one before. They are left out of sheared lattices.
     entries : sequence of Entry
@@ -226,7 +254,7 @@ def file_source(
             "notes": tuple(load.notes), **metadata,
         },
     )  # fmt: skip
-    return FileSource(load, description, values, entries)
+    return FileSource(load, description, values, entries, is_rescaled=is_rescaled)
 
 
 def _level(

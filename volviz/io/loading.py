@@ -12,7 +12,7 @@ import numpy as np
 
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
-from volviz.io.packed_files import GZIP, is_packed, open_unpacked, unpacked_head
+from volviz.io.packed_files import GZIP, is_packed, is_zip, open_unpacked, open_zip, unpacked_head
 from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
 from volviz.io.table import READERS
 from volviz.volume_data.references import is_address
@@ -23,6 +23,13 @@ if TYPE_CHECKING:
     from volviz.io.table import Reader
     from volviz.volume_data.source import Cancel, Progress, VolumeSource
     from volviz.volume_data.volume import Volume
+
+
+#: Formats of makers of microscopes, which nothing here reads.
+_VENDORS = {
+    ".czi": "Zeiss (.czi)", ".lif": "Leica (.lif)", ".nd2": "Nikon (.nd2)", ".oib": "Olympus (.oib)",
+    ".oif": "Olympus (.oif)", ".vsi": "Olympus (.vsi)", ".dm3": "Gatan (.dm3)", ".dm4": "Gatan (.dm4)",
+}  # fmt: skip
 
 
 def open(  # noqa: A001 - what it does, as `volviz.open`
@@ -133,8 +140,11 @@ def load(
 def open_file(request: LoadRequest) -> FileSource:
     """Find the reader for a job and let it open the file."""
     with told_in_a_sentence(request):
-        reader = _reader_for(request)
         magic = _first_bytes(request.path)
+        # some formats are zip files themselves
+        if is_zip(magic) and not any(reader.sniff(magic, request.path) for reader in READERS):
+            return open_zip(request, open_file)
+        reader = _reader_for(request)
         if not is_packed(magic) or (reader.reads_gzip and magic.startswith(GZIP)):
             return reader.open(request)
         return open_unpacked(request, reader.open)
@@ -242,6 +252,10 @@ def _reader_for(request: LoadRequest) -> Reader:
         return by_name
     if path.is_dir():
         raise request.error(_found_in_folder(path))
+    if (maker := _VENDORS.get(path.suffix.lower())) is not None:
+        raise request.error(
+            f"files of {maker} are not read; save it as OME-TIFF, with the program of the microscope or with Fiji."
+        )
     known = ", ".join(reader.name for reader in READERS)
     raise request.error(f"no reader knows this file (known: {known}); for a raw file give dims= and dtype=.")
 

@@ -22,7 +22,7 @@ from volviz.io.geometry import RAS_TO_LPS, is_usable
 from volviz.io.long_doubles import doubles_of
 from volviz.io.raw_payload import RawPayload, check_sizes, read_part
 from volviz.io.reader import stem
-from volviz.io.scaling import rescaled
+from volviz.io.scaling import is_scaling, rescaled
 from volviz.volume_data.description import Channel
 
 if TYPE_CHECKING:
@@ -172,6 +172,7 @@ def open_source(request: LoadRequest) -> FileSource:
         request.geometry(_affine(header, request)),
         format="NIfTI",
         name=stem(request.path, SUFFIXES),
+        is_rescaled=code not in _COLOURS and is_scaling(slope, intercept),
         dtype=np.float64 if code == _LONG_DOUBLE else payload.dtype,
         colour=True,
         channels=[Channel(window=(low, high))] if low < high < np.inf else (),

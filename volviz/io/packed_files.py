@@ -1,4 +1,4 @@
-"""Files packed as a whole (.nrrd.gz, .npy.bz2, .vti.xz): unpacked into a temporary file, then read as any other.
+"""Files packed as a whole (.nrrd.gz, .npy.bz2, .vti.xz) and zip files: unpacked, then read as any other.
 
 Readers that unpack while they read (NIfTI, raw) get what gzip has packed as it is.
 """
@@ -8,14 +8,17 @@ from __future__ import annotations
 import bz2
 import gzip
 import lzma
+import os
 import shutil
 import tempfile
 import weakref
+import zipfile
 import zlib
 from dataclasses import replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
+from volviz.errors import LoadError
 from volviz.io.reader import PACKED_SUFFIXES
 from volviz.volume_data.references import content_id
 
@@ -40,7 +43,9 @@ _UNPACKERS: dict[bytes, Callable[[IO[bytes]], Any]] = {
 _DAMAGE = (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile, OSError, ValueError)
 
 #: Headers whose values lie in another file, which would not be found beside an unpacked copy.
-_HEADERS = (".nhdr", ".mhd", ".hdr")
+_HEADERS = (".nhdr", ".mhd", ".hdr", ".hv", ".h33", ".par", ".head")
+
+_ZIP = b"PK\x03\x04"
 
 
 def is_packed(head: bytes) -> bool:
@@ -86,11 +91,97 @@ def open_unpacked(request: LoadRequest, opening: Callable[[LoadRequest], FileSou
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
+    return _kept_with(source, folder, request)
+
+
+def is_zip(head: bytes) -> bool:
+    """Whether these first bytes are those of a zip file."""
+    return head.startswith(_ZIP)
+
+
+def open_zip(request: LoadRequest, opening: Callable[[LoadRequest], FileSource]) -> FileSource:
+    """The one volume in a zip file: a file, a header with the file of its values, or a folder of slices.
+
+    Parameters
+    ----------
+    opening : callable(LoadRequest) -> FileSource
+        Opens any file or folder.
+
+    Raises
+    ------
+    LoadError
+        Damaged, packed with a password, larger than the room for temporary files; no volume in it, or several.
+    Cancelled
+    """
+    folder = Path(tempfile.mkdtemp(prefix="volviz-"))
+    try:
+        files = _unzip(request, folder)
+        headers = [file for file in files if file.name.lower().endswith(_HEADERS)]
+        if len(files) == 1 or len(headers) == 1:
+            path = (headers or files)[0]
+        else:
+            path = Path(os.path.commonpath([file.parent for file in files]))
+        try:
+            source = opening(replace(request, path=path))
+        except LoadError as error:
+            if len(files) == 1:
+                raise request.error(f"what is packed in it cannot be read: {error}") from None
+            names = ", ".join(file.name for file in files[:3]) + (", …" if len(files) > 3 else "")
+            raise request.error(
+                f"it holds {len(files)} files ({names}) and not one volume; unpack it and open one of them."
+            ) from None
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    return _kept_with(source, folder, request)
+
+
+def _unzip(request: LoadRequest, folder: Path) -> list[Path]:
+    """The files of a zip file, without what systems add of their own."""
+    files: list[Path] = []
+    try:
+        with zipfile.ZipFile(request.path) as archive:
+            members = [
+                member
+                for member in archive.infolist()
+                if not member.is_dir()
+                and not member.filename.startswith("__MACOSX")
+                and not member.filename.rpartition("/")[2].startswith(".")
+            ]
+            size = sum(member.file_size for member in members)
+            if size + _LEFT_FREE > shutil.disk_usage(folder).free:
+                raise request.error(
+                    f"unpacked, it takes more room than is free for temporary files in {folder.parent}; "
+                    "unpack it yourself where there is room."
+                )
+            done = 0
+            for member in members:
+                # the name with its folders; what would lead out of the folder is left out
+                parts = [part for part in member.filename.split("/") if part not in ("", ".", "..")]
+                target = folder.joinpath(*parts)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                with archive.open(member) as packed, target.open("wb") as copy:
+                    while block := packed.read(_BLOCK):
+                        copy.write(block)
+                        done += len(block)
+                        request.report(0.5 * done / max(size, 1), "unpacking")
+                files.append(target)
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError):
+        raise request.error(
+            "the zip file is damaged or packed with a password; unpack it yourself."
+        ) from None
+    if not files:
+        raise request.error("the zip file is empty; get it again.")
+    return files
+
+
+def _kept_with(source: FileSource, folder: Path, request: LoadRequest) -> FileSource:
+    """A source of an unpacked copy, which stays as long as the source does, under the name of the packed file."""
     weakref.finalize(source, shutil.rmtree, folder, ignore_errors=True)
     said = source.description
     source.description = replace(
         said,
-        content_id=content_id(str(path)),
+        content_id=content_id(str(request.path)),
         metadata={**said.metadata, "source": request.source},
     )
     return source

@@ -10,8 +10,19 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
+def is_scaling(slope: float, intercept: float) -> bool:
+    """Whether these change values: a slope of 0, or numbers that are not finite, mean "not scaled"."""
+    usable = slope != 0 and np.isfinite(slope) and np.isfinite(intercept)
+    return bool(usable) and (slope, intercept) != (1.0, 0.0)
+
+
 def rescaled(
-    array: npt.NDArray[Any], slope: float, intercept: float, *, in_place: bool = False
+    array: npt.NDArray[Any],
+    slope: float,
+    intercept: float,
+    *,
+    in_place: bool = False,
+    may_narrow: bool = True,
 ) -> npt.NDArray[Any]:
     """Apply slope and intercept in the smallest type that holds the result.
 
@@ -27,13 +38,16 @@ def rescaled(
     in_place : bool, default: False
         The memory of `array` may be taken for the result, where that has values of the same width.
 
+    may_narrow : bool, default: True
+        Whether whole numbers may take fewer bytes than those that are stored. Where they may not, a few slices of a
+        stack nearly always get the type that all of them have.
+
     Returns
     -------
     ndarray
         `array` itself when nothing is to be done.
     """
-    unusable = slope == 0 or not np.isfinite(slope) or not np.isfinite(intercept)
-    if unusable or (slope, intercept) == (1.0, 0.0):
+    if not is_scaling(slope, intercept):
         return array
     kind, size = array.dtype.kind, array.dtype.itemsize
     if kind in "ui" and size <= 4 and float(slope).is_integer() and float(intercept).is_integer():
@@ -42,6 +56,8 @@ def rescaled(
             int(array.max()) * int(slope) + int(intercept),
         ]
         for whole in (np.uint8, np.int16, np.uint16, np.int32):
+            if not may_narrow and np.dtype(whole).itemsize < size:
+                continue
             if np.iinfo(whole).min <= min(ends) and max(ends) <= np.iinfo(whole).max:
                 reuses = in_place and np.dtype(whole).itemsize == size and array.dtype.isnative
                 result = array.view(whole) if reuses else np.empty(array.shape, whole)

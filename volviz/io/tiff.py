@@ -20,7 +20,7 @@ from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.memory import check_memory
 from volviz.io.reader import stem
-from volviz.io.scaling import rescaled
+from volviz.io.scaling import is_scaling, rescaled
 from volviz.io.tiff_metadata import calibration_of, channels_of, missing_files, spacing_of, times_of
 
 if TYPE_CHECKING:
@@ -122,6 +122,7 @@ def _source(request: LoadRequest, file: tifffile.TiffFile) -> FileSource:
         Geometry(spacing),
         format="TIFF",
         name=stem(request.path, SUFFIXES),
+        is_rescaled=is_scaling(slope, intercept),
         dtype=series.dtype,
         colour=colour,
         channels=channels_of(file, series, sizes.get("C", 1)),

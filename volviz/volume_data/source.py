@@ -227,7 +227,8 @@ class VolumeSource(ABC):
         lattice = level if request.box is None else level.part(request.box)
         scalars = np.asanyarray(array)
         described = {**self.metadata, **metadata}
-        described["notes"] = (*described.get("notes", ()), *_notes_on_values(scalars))
+        if not self.is_labels:
+            described["notes"] = (*described.get("notes", ()), *_notes_on_values(scalars))
         return Volume(
             scalars,
             lattice.spacing,

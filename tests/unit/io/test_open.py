@@ -258,6 +258,20 @@ def test_info_notices_a_packed_file_that_is_cut_off(tmp_path):
         info(tmp_path / "v.nii.gz")
 
 
+def test_a_box_of_rescaled_values_has_the_type_of_the_whole(tmp_path):
+    array = np.zeros((4, 5, 6), np.int16)
+    array[0, 0, 0] = 3000
+    image = nibabel.Nifti1Image(array.T, np.eye(4))
+    nibabel.save(image, tmp_path / "v.nii")
+    content = bytearray((tmp_path / "v.nii").read_bytes())
+    # slope and intercept: up to 58976, beyond int16
+    content[112:120] = np.array([20.0, -1024.0], "<f4").tobytes()
+    (tmp_path / "v.nii").write_bytes(content)
+    box = volviz.open(tmp_path / "v.nii").read(box=(2, 4, 2, 4, 1, 4))
+    assert box.array.dtype == load(tmp_path / "v.nii").array.dtype == np.int32
+    assert (box.array == -1024).all()
+
+
 def test_a_pipe_and_a_folder_of_other_files_are_told_in_true_words(tmp_path):
     import os
 

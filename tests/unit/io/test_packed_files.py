@@ -7,10 +7,13 @@ import gc
 import gzip
 import lzma
 import tempfile
+import zipfile
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import tifffile
 
 import volviz
 from tests.unit.io.writers import dicom_slice, itk, scalars
@@ -27,7 +30,6 @@ def plain(folder, name):
     if path.suffix == ".npy":
         np.save(path, array)
     elif path.suffix == ".tif":
-        tifffile = pytest.importorskip("tifffile")
         tifffile.imwrite(path, array, imagej=False, photometric="minisblack")
     elif path.suffix == ".raw":
         path.write_bytes(array.tobytes())
@@ -110,3 +112,44 @@ def test_what_a_packed_file_holds_must_be_a_volume_that_finds_room(tmp_path, tem
     with pytest.raises(LoadError, match="more room than is free"):
         load(packed)
     assert list(temporary.iterdir()) == []
+
+
+def zipped(path: Path, *files: Path) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in files:
+            archive.write(file, f"inside/{file.name}")
+        archive.writestr("__MACOSX/inside/._v", b"of the system")
+    return path
+
+
+def test_a_zip_file_with_one_volume_opens(tmp_path):
+    array = scalars()
+    path = zipped(tmp_path / "v.zip", itk(tmp_path / "v.nrrd", array))
+    source = volviz.open(path)
+    assert source.metadata["source"] == str(path)
+    np.testing.assert_array_equal(source.read().array, array)
+    pair = itk(tmp_path / "w.mhd", array)
+    np.testing.assert_array_equal(
+        volviz.load(zipped(tmp_path / "w.zip", pair, tmp_path / "w.raw")).array, array
+    )
+
+
+def test_a_zip_file_of_slices_opens_as_their_folder_does(tmp_path):
+    pages = [tmp_path / f"slice{n}.tif" for n in range(5)]
+    for page, pixels in zip(pages, scalars(), strict=True):
+        tifffile.imwrite(page, pixels)
+    np.testing.assert_array_equal(volviz.load(zipped(tmp_path / "v.zip", *pages)).array, scalars())
+
+
+def test_zip_files_without_one_volume_are_refused_in_words(tmp_path):
+    first, second = tmp_path / "a.nrrd", tmp_path / "b.nrrd"
+    zipped(tmp_path / "two.zip", itk(first, scalars()), itk(second, scalars()))
+    with pytest.raises(LoadError, match=r"two.zip: it holds 2 files \(a.nrrd, b.nrrd\)"):
+        volviz.load(tmp_path / "two.zip")
+    (tmp_path / "notes.txt").write_text("nothing to see")
+    with pytest.raises(LoadError, match="what is packed in it cannot be read"):
+        volviz.load(zipped(tmp_path / "text.zip", tmp_path / "notes.txt"))
+    whole = zipped(tmp_path / "cut.zip", first).read_bytes()
+    (tmp_path / "cut.zip").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(LoadError, match="zip file is damaged"):
+        volviz.load(tmp_path / "cut.zip")

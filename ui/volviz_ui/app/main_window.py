@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QEvent, Qt, QTimer
+from PySide6.QtCore import QEvent, Qt, QTimer, QUrl
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QMainWindow
 
@@ -13,6 +13,7 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.custom_gl.technique import unused_regions
 from volviz.kernels.warm_up import warm_up
 from volviz.model.store import Store
+from volviz.volume_data.references import is_address
 from volviz.volume_data.volume import Volume
 from volviz_ui.app.empty_picture import EmptyPicture
 from volviz_ui.app.messages import WindowMessages
@@ -302,17 +303,24 @@ class MainWindow(QMainWindow):
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Files and folders may be dropped anywhere on the window."""
-        if any(url.isLocalFile() for url in event.mimeData().urls()):
+        if any(self._place_of(url) for url in event.mimeData().urls()):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open what was dropped; with Shift it becomes a further layer."""
-        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        paths = [place for url in event.mimeData().urls() if (place := self._place_of(url))]
         event.acceptProposedAction()
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.documents.volume is not None:
             self.file_commands.add_dropped(paths)
         else:
             self.file_commands.open_dropped(paths)
+
+    @staticmethod
+    def _place_of(url: QUrl) -> str:
+        """A path or an address that can be opened; an empty text for anything else."""
+        if url.isLocalFile():
+            return url.toLocalFile()
+        return url.toString() if is_address(url.toString()) else ""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Escape leaves the full screen."""

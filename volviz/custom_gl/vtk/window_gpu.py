@@ -198,6 +198,8 @@ class VolumeTextures:
             (volume, *texel_limits(self._window_gpu.gpu, volume, alone=alone)) for volume in images
         )
         if all(is_prepared(*each) for each in limits) and all(map(are_labels_known, labels)):
+            # or it would keep the volume that was prepared before this one
+            self._prepared.clear()
             return True
 
         def made(_progress: object, _cancel: object) -> bool:

@@ -52,7 +52,7 @@ def is_scaled_alike(frames: Sequence[Frame]) -> bool:
 
 def values_of(frame: Frame, pixels: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Stored pixels as the values they stand for."""
-    return rescaled(pixels, frame.slope, frame.intercept)
+    return rescaled(pixels, frame.slope, frame.intercept, may_narrow=False)
 
 
 def _gray(request: LoadRequest, pixels: npt.NDArray[Any], file: ImageFile) -> npt.NDArray[Any]:

@@ -158,7 +158,7 @@ def _stack(request: LoadRequest, frames: list[Frame], slices: lattice.SliceLatti
         array[place] = pixels
     assert array is not None
     if later:
-        array = rescaled(array, first.slope, first.intercept, in_place=True)
+        array = rescaled(array, first.slope, first.intercept, in_place=True, may_narrow=False)
     return array if slices.is_complete else _filled(array, slices)
 
 
