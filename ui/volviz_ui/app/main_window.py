@@ -15,6 +15,7 @@ from volviz.kernels.warm_up import warm_up
 from volviz.model.store import Store
 from volviz.volume_data.references import is_address
 from volviz.volume_data.volume import Volume
+from volviz_ui.app.empty_picture import EmptyPicture
 from volviz_ui.app.messages import WindowMessages
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.bars import ToolBar, fill_menu_bar
@@ -167,6 +168,7 @@ class MainWindow(QMainWindow):
         self.compare_panel.distances.follow(self.surface_distances)
         self.reports = Reports(self.context)
         self.compare_panel.follow(self.measurements, self.reports)
+        self.empty_picture = EmptyPicture(store, documents, views, self.messages.banner, self)
         self.pointer = Pointer(store, documents, views, self.messages.status_line, self.transfer_editor, self)
 
     def _make_commands(self) -> None:
@@ -346,6 +348,7 @@ class MainWindow(QMainWindow):
         if not self.isFullScreen():
             self.preferences.window = (self.saveGeometry(), self.docks.state())
         self.pointer.stop()
+        self.empty_picture.stop()
         self._memory_timer.stop()
         if self.autosave is not None:
             self.autosave.close()
