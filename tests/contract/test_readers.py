@@ -378,7 +378,7 @@ BAD = {
         "object|unreadable",
     ),
     "notes.txt": (b"some words", "no reader knows"),
-    "cells.czi": (b"ZISRAWFILE" + bytes(500), "files of Zeiss (.czi) are not read; save it as OME-TIFF"),
+    "cells.czi": (b"ZISRAWFILE" + bytes(500), "are not read; save it as OME-TIFF"),
 }
 
 

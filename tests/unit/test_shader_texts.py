@@ -210,3 +210,31 @@ def test_the_ray_loop_takes_two_layers() -> None:
     assert "u_light_centred_1" in text
     assert not re.search(r"\bu_light_centred\b", text), "the first layer is unlit"
     assert text.count("uniform vec3 u_box_low;") == 1
+
+
+def test_lines_for_each_layer_stand_there_once_for_each_with_its_names_and_defines(layered: Path) -> None:
+    loop = layered / "each.frag"
+    loop.write_text(
+        '#pragma each_layer\n#include "layer.glsl"\n#pragma end\n'
+        "float at[LAYERS];\n"
+        "#pragma each_layer\nat[LAYER] = color(KIND, u_scale);\n#pragma end\n"
+        "#pragma each_label\nuint label_LAYER;\nint number = LAYER;\n#pragma end\n"
+        "#pragma each_lattice\nint lattice = LAYER;\n#pragma end\nint last;\n"
+    )
+    defines = {"LAYERS": 2, "LABELS": 1, "LATTICE": 0, "LATTICE_1": 0, "LATTICE_2": 2, "KIND": 5, "KIND_1": 6}
+    hooks = {"fetch": layered / "one.glsl", "fetch_1": layered / "two.glsl"}
+    text = assemble(loop, defines, hooks)
+    for line in (
+        "at[0] = color(KIND, u_scale);",
+        "at[1] = color_1(KIND_1, u_scale_1);",
+        "uniform sampler3D t_one;",
+        "uniform sampler3D t_two_1;",
+        "int number = 2;",
+        "int lattice = 0;",
+        "int lattice = 2;",
+    ):
+        assert text.text.count(line + "\n") == 1, line
+    assert "int lattice = 1;" not in text.text
+    lines = numbered(text)
+    assert lines["at[1] = color_1(KIND_1, u_scale_1);"] == ("each.frag", 6)
+    assert lines["int last;"] == ("each.frag", 15)

@@ -67,6 +67,12 @@ def in_words(entries: Sequence[Entry]) -> str:
     return named + (f" and {more} more" if more > 0 else "")
 
 
+def largest_image(entries: Sequence[Entry]) -> int:
+    """Number of the largest entry; labels belong to an image and are not what is looked at first."""
+    images = [n for n, entry in enumerate(entries) if not entry.is_labels] or list(range(len(entries)))
+    return max(images, key=lambda n: entries[n].voxels)
+
+
 def choose_entry(request: LoadRequest, entries: Sequence[Entry], *, what: str = "image") -> int:
     """Number of the entry that ``series=`` names, else of the largest one, with a note.
 
@@ -93,9 +99,7 @@ def choose_entry(request: LoadRequest, entries: Sequence[Entry], *, what: str = 
         if 0 <= number < len(entries):
             return number
         raise InputError(f"{request.path.name}: there is no {what} {wanted!r}; it holds {in_words(entries)}.")
-    # labels belong to an image and are not what is looked at first
-    images = [n for n, entry in enumerate(entries) if not entry.is_labels] or list(range(len(entries)))
-    best = max(images, key=lambda n: entries[n].voxels)
+    best = largest_image(entries)
     if len(entries) > 1:
         others = [entry for n, entry in enumerate(entries) if n != best]
         request.note(

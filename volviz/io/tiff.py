@@ -16,6 +16,7 @@ import numpy as np
 
 from volviz.errors import InputError, VolvizError
 from volviz.io.axes import choose, to_zyx
+from volviz.io.entries import Entry
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.memory import check_memory
@@ -125,6 +126,7 @@ def _source(request: LoadRequest, file: tifffile.TiffFile) -> FileSource:
         is_rescaled=is_scaling(slope, intercept),
         dtype=series.dtype,
         colour=colour,
+        entries=_entries(file),
         channels=channels_of(file, series, sizes.get("C", 1)),
         times=times_of(file, series, sizes.get("T", 1)),
         unit=unit,
@@ -144,9 +146,18 @@ def _series(request: LoadRequest, file: tifffile.TiffFile) -> tifffile.TiffPageS
             )
         # an overview of one page may be larger than the stack behind it
         return max(every, key=lambda s: (math.prod(s.shape[:-2]) > 1, s.size))
-    if not isinstance(wanted, int) or not 0 <= wanted < len(every):
+    if not str(wanted).isdecimal() or int(wanted) >= len(every):
         raise InputError(f"{request.path.name}: series must lie in 0..{len(every) - 1}, got {wanted!r}.")
-    return every[wanted]
+    return every[int(wanted)]
+
+
+def _entries(file: tifffile.TiffFile) -> list[Entry]:
+    """The images of a file that have several pages."""
+    return [
+        Entry(str(n), tuple(map(int, series.shape)), np.dtype(series.dtype).name, str(series.name or ""))
+        for n, series in enumerate(file.series)
+        if math.prod(series.shape[:-2]) > 1 and series.dtype is not None
+    ]
 
 
 def _values(

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+import volviz
 from tests.unit.io.writers import dicom_slice, gzipped, rotation, scalars
 from volviz.errors import InputError, LoadError
 from volviz.io import info, load
@@ -74,6 +75,11 @@ def test_of_several_series_the_largest_is_taken_and_others_can_be_chosen(tmp_pat
     assert volume.dimensions == (7, 5, 6)
     assert "largest of 2 series" in volume.metadata["notes"][0]
     assert load(folder, series=1).dimensions == (7, 5, 3)
+    entries = volviz.open(folder).entries
+    assert [(entry.name, entry.sizes, entry.title) for entry in entries] == [
+        ("0", (6, 5, 7), "CT"), ("1", (3, 5, 7), "CT"),
+    ]  # fmt: skip
+    assert load(folder, series=entries[1].name).dimensions == (7, 5, 3)
     assert load(folder, series="9.9").dimensions == (7, 5, 3)
     with pytest.raises(InputError, match="series must be"):
         load(folder, series=5)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QEvent, Qt, QTimer
+from PySide6.QtCore import QEvent, Qt, QTimer, QUrl
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QMainWindow
 
@@ -13,7 +13,9 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.custom_gl.technique import unused_regions
 from volviz.kernels.warm_up import warm_up
 from volviz.model.store import Store
+from volviz.volume_data.references import is_address
 from volviz.volume_data.volume import Volume
+from volviz_ui.app.empty_picture import EmptyPicture
 from volviz_ui.app.messages import WindowMessages
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.bars import ToolBar, fill_menu_bar
@@ -166,6 +168,7 @@ class MainWindow(QMainWindow):
         self.compare_panel.distances.follow(self.surface_distances)
         self.reports = Reports(self.context)
         self.compare_panel.follow(self.measurements, self.reports)
+        self.empty_picture = EmptyPicture(store, documents, views, self.messages.banner, self)
         self.pointer = Pointer(store, documents, views, self.messages.status_line, self.transfer_editor, self)
 
     def _make_commands(self) -> None:
@@ -300,17 +303,24 @@ class MainWindow(QMainWindow):
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Files and folders may be dropped anywhere on the window."""
-        if any(url.isLocalFile() for url in event.mimeData().urls()):
+        if any(self._place_of(url) for url in event.mimeData().urls()):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open what was dropped; with Shift it becomes a further layer."""
-        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        paths = [place for url in event.mimeData().urls() if (place := self._place_of(url))]
         event.acceptProposedAction()
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.documents.volume is not None:
             self.file_commands.add_dropped(paths)
         else:
             self.file_commands.open_dropped(paths)
+
+    @staticmethod
+    def _place_of(url: QUrl) -> str:
+        """A path or an address that can be opened; an empty text for anything else."""
+        if url.isLocalFile():
+            return url.toLocalFile()
+        return url.toString() if is_address(url.toString()) else ""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Escape leaves the full screen."""
@@ -338,6 +348,7 @@ class MainWindow(QMainWindow):
         if not self.isFullScreen():
             self.preferences.window = (self.saveGeometry(), self.docks.state())
         self.pointer.stop()
+        self.empty_picture.stop()
         self._memory_timer.stop()
         if self.autosave is not None:
             self.autosave.close()

@@ -22,9 +22,10 @@ class WindowMessages(QObject):
         self.status_line = StatusLine(window)
         window.setStatusBar(self.status_line)
         self._last_error: BaseException | None = None
+        self._loading = ""
         documents.failed.connect(self._on_failed_to_open)
         documents.loading_started.connect(self._on_loading_started)
-        documents.loading_progressed.connect(lambda fraction, _text: self.banner.set_progress(fraction))
+        documents.loading_progressed.connect(self._on_loading_progressed)
         documents.loading_ended.connect(self.banner.hide_progress)
         self.banner.cancelled.connect(documents.cancel)
         self.banner.details_requested.connect(self._show_details)
@@ -40,7 +41,14 @@ class WindowMessages(QObject):
         return show_error(self._window, title, error)
 
     def _on_loading_started(self, name: str) -> None:
+        self._loading = name
         self.banner.show_progress(self.tr("Loading %1…").replace("%1", name))
+
+    def _on_loading_progressed(self, fraction: float, words: str) -> None:
+        self.banner.set_progress(fraction)
+        if words:
+            text = self.tr("Loading %1: %2…").replace("%1", self._loading).replace("%2", words)
+            self.banner.words.setText(text)
 
     def _on_failed_to_open(self, name: str, error: BaseException) -> None:
         self.show_error(self.tr("%1 was not opened").replace("%1", name), error)

@@ -12,17 +12,19 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
 from volviz.volume_data.array_source import ArraySource
-from volviz.volume_data.references import VolumeKey
+from volviz.volume_data.references import VolumeKey, is_address
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
 from volviz_ui.commands.session import SessionCommands, file_stem
+from volviz_ui.dialogs.choose_entry import ChooseEntryDialog
 from volviz_ui.dialogs.export_image import ExportImageDialog
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.job_progress import show_job
+from volviz_ui.dialogs.open_address import OpenAddressDialog
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
 from volviz_ui.dialogs.save_volume import SaveVolumeDialog
 from volviz_ui.session.mesh_summary import shows_mesh
-from volviz_ui.session.opening import SAMPLE_PREFIX, title_of
+from volviz_ui.session.opening import SAMPLE_PREFIX, SeveralImages, title_of
 from volviz_ui.session.script import script_of
 from volviz_ui.views.image_copy import ImageCopy
 from volviz_ui.views.image_export import ImageExport
@@ -37,6 +39,7 @@ class FileCommands(QObject):
         super().__init__(context.window)
         self._context = context
         self._sessions = sessions
+        context.documents.choice_needed.connect(self.choose_entry)
         self._jobs: list[ImageExport | ImageCopy] = []
 
     def menu(self) -> Menu:
@@ -53,8 +56,13 @@ class FileCommands(QObject):
                     keys=(standard.Open,), icon="folder-open",
                 ),
                 Command(
-                    "file.open_folder", tr("Open &DICOM folder…"), tr("Open the series in a folder"), self.open_folder,
+                    "file.open_folder", tr("Open &folder…"),
+                    tr("Open a folder: a DICOM series, a Zarr store, numbered pictures"), self.open_folder,
                     keys=("Ctrl+Shift+O",), icon="folder",
+                ),
+                Command(
+                    "file.open_address", tr("Open from &URL…"), tr("Open a file or a Zarr store on the network"),
+                    self.ask_for_address, keys=("Ctrl+L",), icon="globe",
                 ),
                 Command(
                     "file.add_layer", tr("Add &layer…"), tr("Show another file in the same picture"), self.add_layer,
@@ -182,12 +190,39 @@ class FileCommands(QObject):
             self._context.documents.add(path)
 
     def open_folder(self) -> None:
-        """Ask for a folder of DICOM files and open it."""
+        """Ask for a folder and open it: DICOM files, a Zarr store, numbered pictures."""
         path = QFileDialog.getExistingDirectory(
-            self._context.window, self.tr("Open a folder of DICOM files"), self._context.preferences.folder
+            self._context.window, self.tr("Open a folder"), self._context.preferences.folder
         )
         if path:
             self.open_path(path)
+
+    def ask_for_address(self) -> OpenAddressDialog:
+        """Ask for a URL and open it."""
+        dialog = OpenAddressDialog(self._context.window)
+        dialog.accepted.connect(lambda: self._context.documents.open(dialog.address))
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def choose_entry(self, several: SeveralImages) -> ChooseEntryDialog:
+        """Ask which of the images of a file is meant, and go on opening it."""
+        key, documents = several.key, self._context.documents
+        dialog = ChooseEntryDialog(title_of(key.ref), several.entries, self._context.window)
+
+        def go_on() -> None:
+            if dialog.entry is None:
+                return
+            hints = {**dict(key.ref.hints), "series": dialog.entry.name}
+            if several.adds:
+                documents.add(key.ref.source, **hints)
+            else:
+                documents.open(key.ref.source, channel=key.channel, time=key.time, **hints)
+
+        dialog.accepted.connect(go_on)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
 
     def import_raw(self) -> None:
         """Ask for a raw file, then for how to read it."""
@@ -201,7 +236,10 @@ class FileCommands(QObject):
             self.ask_how_to_read(path)
 
     def open_path(self, path: str) -> None:
-        """Open a file, folder or session; for a raw file whose name does not say enough, ask first."""
+        """Open a file, folder, URL or session; for a raw file whose name does not say enough, ask first."""
+        if is_address(path):
+            self._context.documents.open(path)
+            return
         self._context.preferences.folder = str(Path(path).parent)
         if path.endswith(SESSION_SUFFIX):
             self._sessions.unless_unsaved(partial(self._sessions.open_path, path))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from PySide6.QtCore import QObject
 
 from volviz_ui.app_context import AppContext
@@ -46,7 +48,9 @@ class HelpCommands(QObject):
 
     def show_shortcuts(self) -> ShortcutsDialog:
         """Open the page of shortcuts."""
-        dialog = ShortcutsDialog(self._table.walk(), self._table.state, self._context.window)
+        # what would be taken back just now belongs to the menu
+        no_history = replace(self._table.state, undo=None, redo=None)
+        dialog = ShortcutsDialog(self._table.walk(), no_history, self._context.window)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog

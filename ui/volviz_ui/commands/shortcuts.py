@@ -85,9 +85,9 @@ class ShortcutsDialog(QDialog):
 
     def _mouse(self) -> list[tuple[str, str]]:
         return [
-            (self.tr("Turn the volume"), self.tr("Left drag")),
-            (self.tr("Push the volume"), self.tr("Shift + left drag")),
-            (self.tr("Look at a place, turn about it"), self.tr("Double-click")),
+            (self.tr("Rotate"), self.tr("Left drag, arrow keys")),
+            (self.tr("Pan"), self.tr("Shift + left drag or arrow keys")),
+            (self.tr("Rotate about the point under the pointer"), self.tr("Double-click")),
             (self.tr("Zoom"), self.tr("Wheel, middle drag")),
             (self.tr("Move the light (or zoom)"), self.tr("Right drag")),
             (self.tr("Move light or cut plane"), self.tr("Drag its knob")),

@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject
 from volviz.custom_gl.scene_techniques import (
     change_setting,
     choose_technique,
+    counterparts,
     current_settings,
     current_technique,
     drawing_techniques,
@@ -39,6 +40,7 @@ class TechniqueCommands(QObject):
             tr("&Technique"),
             [
                 *(self._choice(number, info) for number, info in enumerate(drawing_techniques(), start=1)),
+                Menu(tr("For c&omparison"), [self._choice(None, info) for info in counterparts()]),
                 None,
                 Command(
                     "technique.finer", tr("&More slices, smaller steps"), tr("Sample the volume more finely"),
@@ -49,7 +51,7 @@ class TechniqueCommands(QObject):
                     partial(self.refine, -1), keys=("-",), enabled=lambda state: is_sampled(state.scene),
                 ),
                 Command(
-                    "technique.machinery", tr("&View the machinery"),
+                    "technique.machinery", tr("Show ho&w it works"),
                     tr("Wireframe, or what else the technique can show"), self.toggle_debug_view, keys=("W",),
                     enabled=lambda state: bool({"wireframe", "display"} & _parameters(state.scene).keys()),
                 ),
@@ -60,10 +62,10 @@ class TechniqueCommands(QObject):
             ],
         )  # fmt: skip
 
-    def _choice(self, number: int, info: TechniqueInfo) -> Command:
+    def _choice(self, number: int | None, info: TechniqueInfo) -> Command:
         return Command(
             f"technique.use.{info.id}", info.label, info.summary, partial(choose_technique, self._store, info.id),
-            keys=(str(number),) if number <= 9 else (), group="technique",
+            keys=(str(number),) if number is not None and number <= 9 else (), group="technique",
             checked=lambda state: current_technique(state.scene).id == info.id,
         )  # fmt: skip
 

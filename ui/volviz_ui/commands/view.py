@@ -6,16 +6,18 @@ from dataclasses import replace
 from functools import partial
 
 from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtGui import QKeySequence
+from PySide6.QtGui import QColor, QKeySequence
 
 from volviz.custom_gl.scene_techniques import with_slices, without_slices
 from volviz.model.camera import Camera
 from volviz.model.scene import Color, Layout, Scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, has_volume
+from volviz_ui.editors.simple import chosen_color
 from volviz_ui.views.camera_moves import axis_camera
 from volviz_ui.widgets.docks import Docks
 
+USUAL_BACKGROUNDS: tuple[Color | None, ...] = (None, (0.0, 0.0, 0.0), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0))
 SHOWN_AT_FIRST = {
     "box": False,
     "axes": False,
@@ -156,7 +158,12 @@ class ViewCommands(QObject):
             choice("black", self.tr("Black"), (0.0, 0.0, 0.0)),
             choice("grey", self.tr("Grey"), (0.5, 0.5, 0.5)),
             choice("white", self.tr("White"), (1.0, 1.0, 1.0)),
-        ]
+            Command(
+                "view.background.own", self.tr("Own &colour…"), self.tr("Choose the colour behind the volume"),
+                self.choose_background, group="background",
+                checked=lambda state: state.scene.background not in USUAL_BACKGROUNDS,
+            ),
+        ]  # fmt: skip
 
     # ------------------------------------------------------------------ cameras
 
@@ -207,6 +214,13 @@ class ViewCommands(QObject):
         for name, default in SHOWN_AT_FIRST.items():
             self._show(name, preferences.shows(name, default))
         self.set_quality(preferences.quality)
+
+    def choose_background(self) -> None:
+        """Ask for the colour behind the volume."""
+        color = QColor.fromRgbF(*(self._context.store.scene.background or (0.5, 0.5, 0.5)))
+        chosen = chosen_color(self._context.window, color, self.tr("Background"))
+        if chosen is not None:
+            self.set_background((chosen.redF(), chosen.greenF(), chosen.blueF()))
 
     def set_background(self, color: Color | None) -> None:
         """One colour behind the volume, or the usual gradient."""

@@ -61,7 +61,12 @@ class ExportImageDialog(QDialog):
         form.addRow(self.tr("As shown"), quick)
         form.addRow("", self.keep)
         form.addRow("", self.transparent)
-        hint: QLabel = quiet_label(self.tr("The volume is drawn again at this size and at full quality."))
+        hint: QLabel = quiet_label(
+            self.tr(
+                "The volume of the active view is drawn again at this size and at full quality. Box, axes, colour bar "
+                "and marker are not in the file; Copy picture keeps them."
+            )
+        )
         hint.setWordWrap(True)
         buttons = QDialogButtonBox(self)
         save = buttons.addButton(self.tr("Save as…"), QDialogButtonBox.ButtonRole.AcceptRole)

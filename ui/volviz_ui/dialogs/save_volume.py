@@ -144,7 +144,11 @@ class SaveVolumeDialog(QDialog):
     @property
     def chosen(self) -> dict[str, Any]:
         """Which part is written, as keywords of `volviz.save`."""
+        # a volume that does not fit is shown at a coarser level, of whose voxels the crop box speaks
+        levels = [level.dimensions for level in self._source.levels]
+        shown = self._volume.dimensions
         return {
+            "level": levels.index(shown) if shown in levels else 0,
             "channel": None if self.channels.currentData() else self._channel,
             "time": None if self.times.currentData() else self._time,
             "box": self.part.currentData(),

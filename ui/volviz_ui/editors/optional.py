@@ -21,7 +21,7 @@ class OptionalEditor(Editor):
     inner : Editor
         Edits the value when it is not automatic.
     fallback : object
-        Value with which the editor starts when "automatic" is switched off for the first time.
+        What the editor shows at first; a change there switches "automatic" off.
     """
 
     wide = True
@@ -59,13 +59,14 @@ class OptionalEditor(Editor):
             self._last = value
         with QSignalBlocker(self.check):
             self.check.setChecked(value is None)
-        self.inner.setEnabled(value is not None)
         self.inner.set_value(self._last)
 
     def _on_toggled(self, automatic: bool) -> None:
-        self.inner.setEnabled(not automatic)
         self.value_changed.emit(None if automatic else self._last)
 
     def _on_inner(self, value: Any) -> None:
+        # whoever moves the slider wants this value, and not the automatic one
         self._last = value
+        with QSignalBlocker(self.check):
+            self.check.setChecked(False)
         self.value_changed.emit(value)

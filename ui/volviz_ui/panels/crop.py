@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QHideEvent, QPalette
+from PySide6.QtGui import QHideEvent, QKeyEvent, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSpinBox, QWidget
 from superqt import QRangeSlider
 
@@ -19,6 +19,29 @@ from volviz_ui.style.theme import is_palette_change
 from volviz_ui.widgets.binding import send_gesture, send_value, show_value
 
 GESTURE = "crop box"
+
+
+class RangeSlider(QRangeSlider):
+    """A range that the arrows move as well: its lower end, with Shift its upper one."""
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Left and right by one step, page keys by a tenth."""
+        step = {
+            Qt.Key.Key_Left: -1,
+            Qt.Key.Key_Right: 1,
+            Qt.Key.Key_PageDown: -max(1, self.maximum() // 10),
+            Qt.Key.Key_PageUp: max(1, self.maximum() // 10),
+        }.get(Qt.Key(event.key()))
+        if step is None:
+            super().keyPressEvent(event)
+            return
+        low, high = self.value()
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
+            high = min(max(high + step, low + 1), self.maximum())
+        else:
+            low = max(min(low + step, high - 1), self.minimum())
+        self.setValue((low, high))
+        event.accept()
 
 
 class CropBox(QWidget):
@@ -39,8 +62,9 @@ class CropBox(QWidget):
         grid.setVerticalSpacing(4)
         for row, axis in enumerate("xyz"):
             tooltip = self.tr("Voxels along %1 that are shown, first and last").replace("%1", axis)
-            slider = QRangeSlider(Qt.Orientation.Horizontal, self)
+            slider = RangeSlider(Qt.Orientation.Horizontal, self)
             slider.setMinimumWidth(56)
+            slider.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
             _color_bar(slider)
             slider.setToolTip(tooltip)
             slider.setAccessibleName(tooltip)

@@ -110,7 +110,7 @@ class SettingsForm(QWidget):
                 editor.set_fallback(value)
 
     def _debug_view(self) -> str:
-        return self.tr("View the machinery")
+        return self.tr("How it works")
 
     def _add(self, parameter: Parameter, is_open: Callable[[str], bool]) -> None:
         group = self._debug_view() if parameter.name == "display" else parameter.group or self.tr("Settings")

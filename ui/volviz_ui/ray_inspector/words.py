@@ -57,7 +57,7 @@ def notes(found: RayInspection, tr: Translate) -> list[str]:
             )
         )
     if found.shows_debug_view:
-        said.append(tr("The picture shows the machinery now; these are the samples of the image."))
+        said.append(tr("The picture shows how the technique works; these are the samples of the volume."))
     if found.reduced:
         said.append(tr("Mipmaps are on: the picture may be drawn from smoothed data, these samples are not."))
     if found.preintegrated:

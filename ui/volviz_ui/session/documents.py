@@ -16,13 +16,14 @@ from volviz.errors import InputError
 from volviz.model.layer_edits import with_added, with_layers_instead
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
+from volviz.volume_data.references import VolumeKey, VolumeRef, content_id, is_address
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.opening import (
     SAMPLE_PREFIX,
     Opened,
+    SeveralImages,
     has_channels,
     layers_of,
     open_channels,
@@ -55,6 +56,8 @@ class Documents(QObject):
     opened = Signal(object)
     failed = Signal(str, object)
     """What was to be opened, and the error."""
+    choice_needed = Signal(object)
+    """A `SeveralImages`: a file holds several images."""
 
     def __init__(self, store: Store, workers: Workers, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -104,28 +107,22 @@ class Documents(QObject):
     def open(
         self, source: str | os.PathLike[str], *, channel: int | str | None = None, time: int = 0, **hints: Any
     ) -> None:
-        """Read a file, folder or ``sample:<id>`` and show it; the newest request wins.
+        """Read a file, folder, URL or ``sample:<id>`` and show it; the newest request wins.
 
         A channel is chosen by its number, from 0, or its name; without one, the file shows what it shows by itself.
         """
-        text = os.fspath(source)
-        if not text.startswith(SAMPLE_PREFIX):
-            text = str(Path(text).absolute())
-        ref = VolumeRef(text, tuple(hints.items()), content_id(text))
+        ref = _ref_of(source, hints)
         self._way_back = None
         name = channel if isinstance(channel, str) else None
         number = None if isinstance(channel, str) else channel
         self._start(VolumeKey(ref, number, time), first=True, channel_name=name)
 
-    def add(self, source: str | os.PathLike[str]) -> None:
+    def add(self, source: str | os.PathLike[str], **hints: Any) -> None:
         """Read a file, folder or ``sample:<id>`` and show it as a further layer."""
-        text = os.fspath(source)
         if self._store.scene.layer is None:
-            self.open(text)
+            self.open(source, **hints)
             return
-        if not text.startswith(SAMPLE_PREFIX):
-            text = str(Path(text).absolute())
-        key = VolumeKey(VolumeRef(text, (), content_id(text)), None, 0)
+        key = VolumeKey(_ref_of(source, hints), None, 0)
         self._way_back = None
         self._run(key, lambda task: open_volume(key, task, adds=True), self._on_added)
 
@@ -259,6 +256,9 @@ class Documents(QObject):
             return
         awaited = self._awaited
         self._end()
+        if isinstance(error, SeveralImages):
+            self.choice_needed.emit(error)
+            return
         self.failed.emit(task.label, error)
         if awaited is not None:
             self._return_to_shown()
@@ -323,6 +323,13 @@ class Documents(QObject):
                 self.changed.emit(*self._changes[0])
             finally:
                 self._changes.popleft()
+
+
+def _ref_of(source: str | os.PathLike[str], hints: dict[str, Any]) -> VolumeRef:
+    text = os.fspath(source)
+    if not text.startswith(SAMPLE_PREFIX) and not is_address(text):
+        text = str(Path(text).absolute())
+    return VolumeRef(text, tuple(hints.items()), content_id(text))
 
 
 def keys_of(scene: Scene) -> list[VolumeKey]:

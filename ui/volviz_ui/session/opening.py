@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from volviz.custom_gl.layer_set import layer_function
 from volviz.custom_gl.scene_techniques import with_look
+from volviz.errors import VolvizError
+from volviz.io.entries import Entry
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.layer_looks import channel_color, channel_function
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
@@ -44,6 +46,25 @@ class Opened:
     """Volumes of further layers."""
 
 
+class SeveralImages(VolvizError):
+    """The file holds several images, and nobody has said which one.
+
+    Attributes
+    ----------
+    key : VolumeKey
+        What was to be read.
+    entries : sequence of Entry
+    adds : bool
+        It was to become a further layer.
+    """
+
+    def __init__(self, key: VolumeKey, entries: Sequence[Entry], *, adds: bool) -> None:
+        super().__init__(f"{title_of(key.ref)}: it holds {len(entries)} images; choose one.")
+        self.key = key
+        self.entries = entries
+        self.adds = adds
+
+
 def title_of(ref: VolumeRef) -> str:
     """What to call a source before it has been read."""
     if ref.source.startswith(SAMPLE_PREFIX):
@@ -74,11 +95,19 @@ def open_volume(
         Nothing refers to the channel yet: that of a file which shows its first one by itself gets its number.
     adds : bool
         It becomes a further layer: labels become surfaces.
+
+    Raises
+    ------
+    SeveralImages
+        One of them is to be chosen first.
     """
     task.report(-1.0, "")
     # what was known of a file that has changed since then, or has gone, means nothing
     if source is None or content_id(key.ref.source) != key.ref.content_id:
         source = open_source(key.ref, task)
+    images = [entry for entry in source.entries if not entry.is_labels]
+    if first and scene is None and len(images) > 1 and "series" not in dict(key.ref.hints):
+        raise SeveralImages(key, source.entries, adds=adds)
     if channel is not None:
         key = replace(key, channel=source.channel_number(channel))
     elif first and scene is None and key.channel is None and "c" in source.axes and not source.is_colour:

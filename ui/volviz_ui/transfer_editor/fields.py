@@ -172,6 +172,10 @@ class Fields(QWidget):
             words = self.tr("%1 points, none chosen").replace("%1", str(len(function.points)))
             self.caption.setText(words)
             self.swatch.set_color(None)
+        if color_point is not None or not chosen:
+            self.opacity.clear()
+        if color_point is None and not chosen:
+            self.value.clear()
         with QSignalBlocker(self.overall):
             if not self.overall.isSliderDown():
                 self.overall.setValue(round(function.opacity * 1000))

@@ -11,6 +11,7 @@ from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.transfer_editor.axes import round_values
 from volviz_ui.views.viewport import Viewport
 
 TOP, BOTTOM = "#3b4450", "#14171b"
@@ -187,7 +188,11 @@ def _bar(table: Any, title: str) -> Any:
     bar = pv._vtk.vtkScalarBarActor()  # noqa: SLF001 - PyVista's own needs a mesh with scalars
     bar.SetLookupTable(table)
     bar.SetTitle(f"{title}\n" if title else "")
-    bar.SetNumberOfLabels(5)
+    numbers = pv._vtk.vtkDoubleArray()  # noqa: SLF001
+    for value in round_values(*table.scalar_range, 5):
+        numbers.InsertNextValue(value)
+    bar.SetCustomLabels(numbers)
+    bar.SetUseCustomLabels(True)
     bar.SetMaximumNumberOfColors(1025)
     bar.SetUnconstrainedFontSize(True)
     for text in (bar.GetLabelTextProperty(), bar.GetTitleTextProperty()):

@@ -13,10 +13,20 @@ from pyvistaqt import QtInteractor
 
 from volviz.model.camera import Camera
 from volviz.model.store import Store
-from volviz_ui.views.camera_moves import WHEEL_STEP, panned, rotated, zoomed
+from volviz_ui.views.camera_moves import TURN, WHEEL_STEP, panned, rotated, zoomed
 
 if TYPE_CHECKING:
     from volviz.custom_gl.vtk.manipulators import Manipulators
+
+ARROWS = {
+    Qt.Key.Key_Left: (-1, 0),
+    Qt.Key.Key_Right: (1, 0),
+    Qt.Key.Key_Up: (0, -1),
+    Qt.Key.Key_Down: (0, 1),
+}
+"""Where the volume goes with an arrow, right and down."""
+ARROW_TURN = 5.0
+"""Degrees that one press of an arrow turns the view."""
 
 WHEEL_REST_MS = 250
 """A turn of the wheel is over when this long nothing more has come."""
@@ -316,9 +326,21 @@ class Viewport(QtInteractor):
         self.pointer_left.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Escape cancels a drag of a handle or of the transfer function; all other keys belong to the window."""
+        """Arrows turn the view, with Shift they move it; Escape cancels a drag; all other keys belong to the window."""
+        step = None if self.shows_slice else ARROWS.get(event.key())
+        # the arrows of a number pad come with a modifier of their own
+        modifiers = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
         if event.key() == Qt.Key.Key_Escape and self._drag in {Drag.FUNCTION, Drag.HANDLE}:
             self._end_drag(cancelled=True)
+        elif step is not None and modifiers in (
+            Qt.KeyboardModifier.NoModifier,
+            Qt.KeyboardModifier.ShiftModifier,
+        ):
+            size = (self.width(), self.height())
+            dx, dy = (part * ARROW_TURN / TURN * min(size) for part in step)
+            move = rotated if modifiers == Qt.KeyboardModifier.NoModifier else panned
+            self._begin_wheel()
+            self._move_camera(move(self.view_camera, dx, dy, size))
         else:
             event.ignore()
 

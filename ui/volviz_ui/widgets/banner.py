@@ -18,6 +18,7 @@ class Banner(QFrame):
 
     cancelled = Signal()
     details_requested = Signal()
+    cure_requested = Signal()
 
     def __init__(self, over: QWidget) -> None:
         super().__init__(over)
@@ -32,8 +33,10 @@ class Banner(QFrame):
         self.bar.setToolTip(self.tr("How much of the file has been read"))
         self.details = QPushButton(self.tr("Details"), self)
         self.details.setToolTip(self.tr("Show what exactly went wrong"))
+        self.cure = QPushButton(self)
         self.stop = QPushButton(self.tr("Cancel"), self)
         self.details.clicked.connect(self.details_requested)
+        self.cure.clicked.connect(self._on_cure)
         self.stop.clicked.connect(self._on_stop)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(12, 6, 8, 6)
@@ -42,8 +45,10 @@ class Banner(QFrame):
         layout.addWidget(self.words, 1)
         layout.addWidget(self.bar)
         layout.addWidget(self.details)
+        layout.addWidget(self.cure)
         layout.addWidget(self.stop)
         self._is_progress = False
+        self._cure = ""
         over.installEventFilter(self)
         self.hide()
 
@@ -54,7 +59,7 @@ class Banner(QFrame):
 
     def show_progress(self, words: str) -> None:
         """Say that something is under way."""
-        self._is_progress = True
+        self._is_progress, self._cure = True, ""
         self._show(words)
         self.set_progress(-1.0)
 
@@ -67,9 +72,21 @@ class Banner(QFrame):
 
     def show_error(self, words: str) -> None:
         """Say in one sentence what went wrong."""
-        self._is_progress = False
+        self._is_progress, self._cure = False, ""
         self.image.setPixmap(icon("warning", "warning").pixmap(18, 18))
         self._show(words)
+
+    def show_hint(self, words: str, cure: str) -> None:
+        """Say in one sentence what is the matter, with a button that mends it."""
+        self._is_progress, self._cure = False, cure
+        self.image.setPixmap(icon("info", "quiet").pixmap(18, 18))
+        self._show(words)
+
+    def hide_hint(self) -> None:
+        """What was the matter is mended."""
+        if self._cure:
+            self._cure = ""
+            self.hide()
 
     def hide_progress(self) -> None:
         """What was under way has ended."""
@@ -86,7 +103,10 @@ class Banner(QFrame):
         self.words.setText(words)
         self.image.setVisible(not self._is_progress)
         self.bar.setVisible(self._is_progress)
-        self.details.setVisible(not self._is_progress)
+        self.details.setVisible(not self._is_progress and not self._cure)
+        self.cure.setVisible(bool(self._cure))
+        self.cure.setText(self._cure)
+        self.cure.setToolTip(self._cure)
         self.stop.setText(self.tr("Cancel") if self._is_progress else self.tr("Dismiss"))
         self.stop.setToolTip(
             self.tr("Stop loading; what is shown stays")
@@ -103,6 +123,11 @@ class Banner(QFrame):
         self.words.setAlignment(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft)
         height = max(self.layout().heightForWidth(width), self.sizeHint().height())
         self.setGeometry((over.width() - width) // 2, MARGIN, width, height)
+
+    def _on_cure(self) -> None:
+        self._cure = ""
+        self.hide()
+        self.cure_requested.emit()
 
     def _on_stop(self) -> None:
         if self._is_progress:

@@ -67,7 +67,8 @@ class StatusLine(QStatusBar):
         elif status.resolution >= 1:
             words = self.tr("full resolution")
         else:
-            words = self.tr("%1 % of the resolution").replace("%1", f"{100 * status.resolution:.0f}")
+            percent = max(1, round(100 * status.resolution))
+            words = self.tr("%1 % of the resolution").replace("%1", str(percent))
         notice = getattr(status, "notice", "")
         if notice:
             # the first clause; all of it is in the tooltip
@@ -80,7 +81,9 @@ class StatusLine(QStatusBar):
     def show_volume(self, volume: Volume | None) -> None:
         """Show what is loaded."""
         if volume is None:
-            self.volume.setText("")
+            self._status_timer.stop()
+            for field in (self.volume, self.pointer, self.drawing, self.time):
+                field.setText("")
             return
         size = " × ".join(str(n) for n in volume.dimensions)
         name = self.fontMetrics().elidedText(volume.name, Qt.TextElideMode.ElideMiddle, 260)

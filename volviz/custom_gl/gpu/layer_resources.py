@@ -28,6 +28,7 @@ from volviz.custom_gl.gpu.resources import (
     texel_limits,
 )
 from volviz.custom_gl.lattices import is_same_lattice
+from volviz.custom_gl.settings import CLASSIFYING_MODES
 from volviz.custom_gl.shader_source import layer_name
 from volviz.errors import RenderError
 from volviz.kernels.bricks import brick_grid_shape, grow_occupancy
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
 
 #: Layers whose scalars share a texture.
 PACK = 4
+#: What opaque matter lets through, as in ``glsl/joint_matter.glsl``.
+LEAST_TRANSPARENCY = 1e-30
 
 
 class LayerFrame(SampledFrame, Protocol):
@@ -253,19 +256,23 @@ class LayerResources:
 
     def _table(self, frame: JointFrame) -> Any:
         images = [layer for layer in frame.layers if layer.labels is None]
-        functions = tuple(layer.transfer_function for layer in images)
-        if self._tables is None or self._tables[0] != functions:
+        key = tuple((layer.transfer_function, holds_depths(layer)) for layer in images)
+        if self._tables is None or self._tables[0] != key:
             width = self._table_width(images)
             height, width = rows_of(width), min(width, MAX_TABLE)
-            rows = np.zeros((len(functions), height * width, 4), np.float32)
+            rows = np.zeros((len(images), height * width, 4), np.float32)
             for row, layer in zip(rows, images, strict=True):
                 if layer.transfer_function.by_gradient is None:
                     texels = baked(layer.transfer_function, layer.volume).texels[0]
                     row[: len(texels)] = texels
+                    if holds_depths(layer):
+                        row[:, 3] = -np.log(
+                            np.maximum(1.0 - row[:, 3].astype(np.float64), LEAST_TRANSPARENCY)
+                        )
             texture = self.gpu.table_texture(rows.reshape(-1, width, 4))
             # rows belong to different layers
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-            self._tables = self._instead(self._tables, functions, texture)
+            self._tables = self._instead(self._tables, key, texture)
         return self._tables[1]
 
     def _distance(self, frame: JointFrame) -> Any:
@@ -332,6 +339,15 @@ def _entries(layers: Sequence[LayerFrame]) -> list[int]:
     ]
 
 
+def holds_depths(layer: LayerFrame) -> bool:
+    """Whether the table of a layer holds optical depths: where opacities are not changed or asked for after it."""
+    common = layer.common
+    by_value = layer.labels is None and layer.transfer_function.by_gradient is None
+    return (
+        by_value and layer.mode == "add" and common.mode in CLASSIFYING_MODES and not common.gradient_opacity
+    )
+
+
 def layer_defines(arrangement: Arrangement, layers: Sequence[LayerFrame]) -> dict[str, object]:
     """What ``glsl/march_layers.glsl`` must know of the layers of a frame."""
     images = [layer for layer in layers if layer.labels is None]
@@ -351,6 +367,7 @@ def layer_defines(arrangement: Arrangement, layers: Sequence[LayerFrame]) -> dic
         if layer.labels is None:
             pack, component = arrangement.component(n)
             own |= {
+                "DEPTHS": holds_depths(layer),
                 "PACK": layer_name("t_scalars", pack), "COMPONENT": component,
                 "TABLE": "t_layer_tables", "TABLE_ROW": (n + 0.5) / len(images),
                 "TABLE_BASE": float(n * height),

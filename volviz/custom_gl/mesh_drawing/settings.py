@@ -51,7 +51,7 @@ class MeshSettings:
         "Normals",
         "From the gradient of the data at the vertices, which looks smooth; or one for each triangle, which shows "
         "the facets.",
-        choices=(("gradient", "From the data"), ("flat", "One a triangle")),
+        choices=(("gradient", "From the data"), ("flat", "One for each triangle")),
         group="Surface",
         cost=Cost.PROGRAM,
     )

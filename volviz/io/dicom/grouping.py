@@ -9,6 +9,7 @@ import numpy as np
 
 from volviz.errors import InputError
 from volviz.io.dicom.lattice import same_places
+from volviz.io.entries import Entry
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,22 +22,37 @@ if TYPE_CHECKING:
 ALIKE = 1e-3
 
 
-def one_series(request: LoadRequest, frames: Sequence[Frame]) -> list[Frame]:
-    """The frames of one series: the one asked for, else the one with most pixels."""
+def all_series(frames: Sequence[Frame]) -> list[list[Frame]]:
+    """The frames of each series, those with most pixels first."""
     groups: dict[str, list[Frame]] = defaultdict(list)
     for frame in frames:
         groups[frame.file.series].append(frame)
-    ordered = sorted(groups.values(), key=lambda g: -sum(f.rows * f.columns for f in g))
+    return sorted(groups.values(), key=lambda g: -sum(f.rows * f.columns for f in g))
+
+
+def entries_of(frames: Sequence[Frame]) -> list[Entry]:
+    """What is told of each series of more than one slice where one chooses: modality and size, nothing of a person."""
+    return [
+        Entry(str(n), (len(group), group[0].rows, group[0].columns), "", group[0].file.modality or "image")
+        for n, group in enumerate(all_series(frames))
+        if len(group) > 1
+    ]
+
+
+def one_series(request: LoadRequest, frames: Sequence[Frame]) -> list[Frame]:
+    """The frames of one series: the one asked for, else the one with most pixels."""
+    ordered = all_series(frames)
     asked = request.hints.series
     if asked is None:
         if len(ordered) > 1:
             sizes = ", ".join(f"{n}: {_words(group)}" for n, group in enumerate(ordered[:8]))
             request.note(f"The largest of {len(ordered)} series is shown; choose with series= ({sizes}).")
         return ordered[0]
-    if isinstance(asked, str) and asked in groups:
-        return groups[asked]
-    if isinstance(asked, int) and 0 <= asked < len(ordered):
-        return ordered[asked]
+    named = next((group for group in ordered if group[0].file.series == asked), None)
+    if named is not None:
+        return named
+    if str(asked).isdecimal() and int(asked) < len(ordered):
+        return ordered[int(asked)]
     raise InputError(f"{request.path.name}: series must be 0..{len(ordered) - 1} or a UID, got {asked!r}.")
 
 

@@ -32,6 +32,7 @@ def open_source(request: LoadRequest) -> FileSource:
     frames = _frames(request)
     if not frames:
         raise request.error("it holds no DICOM image that can be read; choose another one.")
+    entries = grouping.entries_of(frames)
     frames = grouping.one_kind(request, grouping.one_series(request, frames))
     file = frames[0].file
     if file.labels is not None:
@@ -68,6 +69,7 @@ def open_source(request: LoadRequest) -> FileSource:
         times=known if len(set(known)) == len(times) and known == sorted(known) else None,
         unit=file.unit,
         length_unit="mm",
+        entries=entries,
         modality=file.modality,
     )
 
