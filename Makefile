@@ -1,7 +1,7 @@
 # `make run` and `make test` do all the set-up themselves; see CONTRIBUTING.md.
 #
 #   make run ARGS="head.nrrd"          open a file
-#   make test ARGS="-m unit -x"        arguments for pytest (without any: all tests, in two processes)
+#   make test ARGS="-m unit -x"        arguments for pytest (without any: all but the slow tests, in two processes)
 #   make run PYTHON=python3.13         choose the interpreter (3.11 to 3.14)
 
 PYTHON ?= $(shell sh scripts/find_python.sh)
@@ -10,14 +10,17 @@ BIN := $(VENV)/bin
 # All tests run in two processes, each file in one of them; each process has a virtual screen of its own. The
 # layers keep their order, so that mistakes in plain values show first.
 ALL_TESTS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
+MOST_TESTS := $(ALL_TESTS) -m "not slow"
 MAKEFLAGS += --no-print-directory
 
 .DEFAULT_GOAL := help
-.PHONY: help run test lint format check bench build clean distclean python
+.PHONY: help run test test-all warm-up lint format check bench build clean distclean python
 
 help:
 	@echo "make run        open the program (without a display: draw the sample into out/)"
-	@echo "make test       run all tests"
+	@echo "make test       run the tests, without those marked slow"
+	@echo "make test-all   run all tests"
+	@echo "make warm-up    compile the kernels ahead"
 	@echo "make check      ruff, mypy, import-linter, codespell"
 	@echo "make lint       ruff alone"
 	@echo "make format     let ruff rewrite the layout of the code"
@@ -36,7 +39,15 @@ run: python
 
 test: python
 	@$(PYTHON) scripts/set_up.py --for test
-	@$(BIN)/python -m pytest $(or $(ARGS),$(ALL_TESTS))
+	@$(BIN)/python -m pytest $(or $(ARGS),$(MOST_TESTS))
+
+test-all: python
+	@$(PYTHON) scripts/set_up.py --for test
+	@$(BIN)/python -m pytest $(ALL_TESTS)
+
+warm-up: python
+	@$(PYTHON) scripts/set_up.py --for test
+	@$(BIN)/python -m volviz.kernels.warm_up
 
 lint: python
 	@$(PYTHON) scripts/set_up.py --for check

@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 
 TESTS = Path(__file__).parent
 LAYERS = ("unit", "contract", "render", "ui")
+#: Files that take long for what they find: comparison reports drawn by programs of their own, VTK's surfaces, random
+#: users. ``make test`` leaves them out, ``make test-all`` runs them as well.
+SLOW = frozenset(
+    f"test_{name}.py"
+    for name in (
+        "random_operations", "restless_user", "compare_reports", "surface_distances", "compare_metrics",
+        "crosscheck_panel", "doctor_here", "compare_report", "vtk_moving", "vtk_surfaces", "bump_meshes", "bench",
+    )
+)  # fmt: skip
 FAILED = pytest.StashKey[bool]()
 
 # All of this must stand before the first import of Qt (pytest-qt does it while pytest starts) or VTK.
@@ -53,6 +62,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if layer := layer_of(item.path):
             item.add_marker(getattr(pytest.mark, layer))
+        if item.path.name in SLOW:
+            item.add_marker(pytest.mark.slow)
     # Later plugins and -m may still deselect; running the plain layers first makes simple mistakes show
     # first. Within a layer the files with the most tests come first, so that two processes end together.
     tests = Counter(item.path for item in items)

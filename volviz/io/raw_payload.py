@@ -152,9 +152,10 @@ def _unpacked_bytes(payload: RawPayload, request: LoadRequest, file: Path) -> in
     """How many bytes a compressed stream really holds; it is gone through for that."""
     total = 0
     try:
-        for block, fraction in _unpacked_blocks(file, payload.packed_offset, payload.encoding):
+        for block, _fraction in _unpacked_blocks(file, payload.packed_offset, payload.encoding):
             total += len(block)
-            request.report(fraction, "checking")
+            # nothing is read yet: the part that is told must not fall afterwards
+            request.report(0.0, "checking")
     except (zlib.error, OSError, EOFError, ValueError):
         raise request.error(_DAMAGED["gzip"], file) from None
     return total
