@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from volviz.custom_gl.picking import Picked, Sight
+from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.techniques.slice.planes import grey_window, shown_planes, whole_crop
 from volviz.custom_gl.techniques.slice.spline import SplineTexture
 from volviz.kernels.slices import crop_corners, fan_triangles, slice_polygons
@@ -77,7 +78,7 @@ class Slice:
             f"SLAB_{mode.upper()}": settings.slab_mode == mode for mode in _SLAB_MODES
         }
         defines |= {"GREY": settings.coloring == "window", "CUBIC": settings.interpolation == "cubic"}
-        program = frame.program(_HERE / "slice.vert", _HERE / "slice.frag", defines)
+        program = frame.program(GLSL / "polygon.vert", _HERE / "slice.frag", defines)
         if settings.interpolation == "cubic":
             program.use_texture("t_coefficients", self._spline.texture)
         offsets = slab_offsets(settings.slab, frame.step_world)

@@ -125,7 +125,7 @@ class Slicing:
 
     def _program(self, frame: Frame, blend: str) -> Program:
         program = frame.program(
-            _HERE / "slicing.vert",
+            GLSL / "polygon.vert",
             _HERE / "slicing.frag",
             hooks={"blend": _HERE / "blends" / f"{blend}.glsl"},
         )
@@ -162,7 +162,7 @@ class Slicing:
 
     def _draw_outlines(self, frame: Frame) -> None:
         gl = frame.gpu.gl
-        program = frame.program(_HERE / "slicing.vert", _HERE / "outline.frag")
+        program = frame.program(GLSL / "polygon.vert", _HERE / "outline.frag")
         # the more slices, the fainter each: together they must not fill the image
         alpha = min(1.0, 0.12 + 8.0 / max(self.polygons.count, 1))
         program.set({"u_outline_color": (0.25 * alpha, 0.75 * alpha, 1.0 * alpha, alpha)})

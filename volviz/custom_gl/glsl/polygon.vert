@@ -1,4 +1,5 @@
-// A vertex of a slice polygon, in texture coordinates: world coordinates far from the origin would lose precision.
+// A vertex of the polygon in which a plane cuts the volume, in texture coordinates: world coordinates far from the origin
+// would lose precision.
 uniform mat4 u_texture_to_clip;
 
 in vec3 a_position;
