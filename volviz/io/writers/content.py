@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -177,6 +177,23 @@ class Content:
         for channel in range(count):
             result[..., channel] = self.array(time, channel, request)
         return result
+
+    def pieces(self, request: SaveRequest) -> Iterator[tuple[npt.NDArray[Any], tuple[float, float]]]:
+        """What is written one after another: all components of a colour, or one channel, of one time point.
+
+        Yields
+        ------
+        array : ndarray of shape (z, y, x, c) or (z, y, x)
+        span : tuple of 2 floats
+            Progress while it is written.
+        """
+        if self.is_colour:
+            for time in self.frames:
+                yield self.all_channels(time, request), self.span(time, len(self.frames))
+            return
+        channels = self.channel_count or 1
+        for number in range(len(self.frames) * channels):
+            yield self.array(*divmod(number, channels), request), self.span(number)
 
     def span(self, number: int, count: int | None = None) -> tuple[float, float]:
         """Progress while one of so many equal pieces (default: of the parts) is written; reading comes before."""

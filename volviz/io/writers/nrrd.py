@@ -34,15 +34,8 @@ def write(content: Content, request: SaveRequest) -> None:
 
 
 def _values(content: Content, request: SaveRequest, stream: object) -> None:
-    number = 0
-    for time in content.frames:
-        if content.is_colour:
-            array = content.all_channels(time, request)
-            request.write(stream, array, *content.span(time, len(content.frames)))
-            continue
-        for channel in range(content.channel_count or 1):
-            request.write(stream, content.array(time, channel, request), *content.span(number))
-            number += 1
+    for array, span in content.pieces(request):
+        request.write(stream, array, *span)
 
 
 def _header(content: Content, request: SaveRequest) -> str:

@@ -20,12 +20,5 @@ def write(content: Content, request: SaveRequest) -> None:
     with request.path.open("wb") as file:
         header = {"descr": npy.dtype_to_descr(content.dtype), "fortran_order": False, "shape": shape}
         npy.write_array_header_1_0(file, header)
-        number = 0
-        for time in content.frames:
-            if content.is_colour:
-                array = content.all_channels(time, request)
-                request.write(file, array, *content.span(time, len(content.frames)))
-                continue
-            for channel in range(content.channel_count or 1):
-                request.write(file, content.array(time, channel, request), *content.span(number))
-                number += 1
+        for array, span in content.pieces(request):
+            request.write(file, array, *span)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,9 @@ OUTLIERS = 20.0
 DIRECTIONS = ((1.0, 1.0, 1.0), (0.47, 0.81, 0.34), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
+_windows: WeakKeyDictionary[Volume, tuple[float, float]] = WeakKeyDictionary()
+
+
 def sample_values(volume: Volume) -> Floats:
     """Finite values of at most about 700 000 voxels spread evenly over the volume, shape (n,), without "no data"."""
     values = _strided(volume)[0].ravel()
@@ -41,9 +45,12 @@ def robust_range(volume: Volume) -> tuple[float, float]:
 
 
 def automatic_window(volume: Volume) -> tuple[float, float]:
-    """The values that are shown black and white when nothing is said: the robust range, never empty."""
-    low, high = robust_range(volume)
-    return (low, high) if high > low else (low - 0.5, low + 0.5)
+    """The values that are shown black and white when nothing is said: the robust range, never empty; found once."""
+    known = _windows.get(volume)
+    if known is None:
+        low, high = robust_range(volume)
+        known = _windows[volume] = (low, high) if high > low else (low - 0.5, low + 0.5)
+    return known
 
 
 def without_outliers(values: Floats) -> tuple[float, float]:
