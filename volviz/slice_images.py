@@ -13,11 +13,13 @@ from volviz.custom_gl.arguments import layers_of
 from volviz.custom_gl.layer_set import layer_function
 from volviz.custom_gl.offscreen import checked_dtype, checked_size, finished
 from volviz.errors import InputError
+from volviz.kernels.slices import crop_corners
+from volviz.model.label_palette import LabelLook
 from volviz.model.layers import ImageLayer, LabelLayer, volume_of
 from volviz.model.slice_plane import SlicePlane, slice_plane
 from volviz.model.transfer.first_look import automatic_window
 from volviz.model.transfer.function import TransferFunction
-from volviz.reference.slices import SLAB_MODES, composited, projected, slab_offsets, slab_samples
+from volviz.reference.slices import SLAB_MODES, composited, projected, slab_offsets, slab_samples, whole_crop
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 
@@ -163,9 +165,8 @@ class _Shown:
     @property
     def corners(self) -> Float64Array:
         """World corners of its voxels' faces, shape (8, 3)."""
-        last = np.asarray(self.volume.dimensions) - 0.5
-        index = np.array([[last[a] if c >> a & 1 else -0.5 for a in range(3)] for c in range(8)])
-        return np.asarray(index @ self.index_to_world[:3, :3].T + self.index_to_world[:3, 3])
+        dimensions = self.volume.dimensions
+        return crop_corners(self.index_to_world, whole_crop(dimensions), dimensions)
 
 
 @dataclass(frozen=True)
@@ -219,12 +220,13 @@ class _Cut:
         assert isinstance(layer, LabelLayer)
         middle = replace(self, thickness=0.0)
         found = next(iter(middle.samples(shown, "nearest")))
+        inside = np.isfinite(found)
+        values = found[inside].astype(np.int64)
+        others = np.unique(values[values != 0])
+        palette = LabelLook(layer.colors, layer.hidden, layer.opacity).palette(np.append(0, others))
+        colors = palette[np.where(values == 0, 0, np.searchsorted(others, values) + 1)]
         image = np.zeros((*found.shape, 4))
-        colors = dict(layer.colors)
-        for label in np.unique(found[np.isfinite(found)]).astype(np.int64):
-            if label != 0 and int(label) not in layer.hidden:
-                color = colors.get(int(label), label_color(int(label)))
-                image[found == label] = np.array([*color, 1.0]) * layer.opacity
+        image[inside] = np.concatenate([colors[:, :3] * colors[:, 3:], colors[:, 3:]], axis=1)
         return image
 
 
@@ -232,13 +234,6 @@ def grey_function(window: tuple[float, float]) -> TransferFunction:
     """Black to white over a window, opaque."""
     low, high = window
     return TransferFunction.from_points([(low, (0.0, 0.0, 0.0, 1.0)), (high, (1.0, 1.0, 1.0, 1.0))])
-
-
-def label_color(label: int) -> tuple[float, float, float]:
-    """Colour of a label without one of its own: hues by the golden angle, so that neighbours differ."""
-    import colorsys
-
-    return colorsys.hsv_to_rgb(label * 0.6180339887498949 % 1.0, 0.65, 0.95)
 
 
 def _checked_window(window: Sequence[float] | None, volume: Volume) -> tuple[float, float]:

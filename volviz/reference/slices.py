@@ -59,6 +59,11 @@ def index_box(dimensions: Sequence[int], crop: Sequence[float] | None = None) ->
     return np.stack([np.where(low <= 0.0, -0.5, low), np.where(high >= last, last + 0.5, high)])
 
 
+def whole_crop(dimensions: Sequence[int], crop: Sequence[float] | None = None) -> tuple[float, ...]:
+    """The limits of `index_box` as a crop box: (i0, i1, j0, j1, k0, k1)."""
+    return tuple(float(v) for v in index_box(dimensions, crop).T.ravel())
+
+
 def resample(
     array: npt.NDArray[Any], index: Float64Array, interpolation: str, box: Float64Array | None = None
 ) -> Float64Array:

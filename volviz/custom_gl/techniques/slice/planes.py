@@ -8,7 +8,6 @@ import numpy as np
 
 from volviz.model.slice_plane import NAMED_PLANES, SlicePlane, slice_plane
 from volviz.model.transfer.first_look import automatic_window
-from volviz.reference.slices import index_box
 
 if TYPE_CHECKING:
     from volviz.volume_data.vectors import Vector
@@ -48,11 +47,3 @@ def grey_window(settings: Any, volume: Volume) -> tuple[float, float]:
     width = settings.window_width or high - low
     level = (low + high) / 2 if settings.window_level is None else settings.window_level
     return level - width / 2, level + width / 2
-
-
-def whole_crop(
-    crop: tuple[float, float, float, float, float, float], dimensions: tuple[int, int, int]
-) -> tuple[float, ...]:
-    """A crop box (i0, i1, j0, j1, k0, k1) that shows the first and last voxels whole where it reaches them."""
-    low, high = index_box(dimensions, crop)
-    return tuple(float(v) for v in np.stack([low, high], axis=1).ravel())

@@ -10,10 +10,10 @@ import numpy as np
 
 from volviz.custom_gl.picking import Picked, Sight
 from volviz.custom_gl.shader_source import GLSL
-from volviz.custom_gl.techniques.slice.planes import grey_window, shown_planes, whole_crop
+from volviz.custom_gl.techniques.slice.planes import grey_window, shown_planes
 from volviz.custom_gl.techniques.slice.spline import SplineTexture
 from volviz.kernels.slices import crop_corners, fan_triangles, slice_polygons
-from volviz.reference.slices import slab_offsets
+from volviz.reference.slices import SLAB_MODES, slab_offsets, whole_crop
 
 if TYPE_CHECKING:
     from volviz.custom_gl.gpu.programs import Program
@@ -54,7 +54,7 @@ class Slice:
         if chunk == self._uploads:
             self._drop_buffers()
         plane = self._planes[chunk - self._uploads]
-        crop = whole_crop(frame.crop, frame.volume.dimensions)
+        crop = whole_crop(frame.volume.dimensions, frame.crop)
         corners = crop_corners(frame.volume.index_to_world, crop, frame.volume.dimensions)
         normal = np.asarray(plane.normal)
         vertices, counts = slice_polygons(corners, normal, [normal @ np.asarray(plane.point)])
@@ -75,7 +75,7 @@ class Slice:
     def _program(self, frame: Frame, plane: SlicePlane, crop: tuple[float, ...]) -> Program:
         settings, texels = frame.settings, frame.resources.texels
         defines: dict[str, object] = {
-            f"SLAB_{mode.upper()}": settings.slab_mode == mode for mode in _SLAB_MODES
+            f"SLAB_{mode.upper()}": settings.slab_mode == mode for mode in SLAB_MODES
         }
         defines |= {"GREY": settings.coloring == "window", "CUBIC": settings.interpolation == "cubic"}
         program = frame.program(GLSL / "polygon.vert", _HERE / "slice.frag", defines)
@@ -119,9 +119,6 @@ class Slice:
         self._spline.release()
 
 
-_SLAB_MODES = ("mean", "maximum", "minimum", "composite")
-
-
 def pick(sight: Sight) -> Picked | None:
     """The nearest of the planes that the ray meets within what is shown."""
     found = []
@@ -139,7 +136,7 @@ def pick(sight: Sight) -> Picked | None:
 def _is_shown(sight: Sight, t: float) -> bool:
     if not 0.0 <= t <= sight.ray.length:
         return False
-    limits = np.asarray(whole_crop(sight.crop, sight.volume.dimensions)).reshape(3, 2)
+    limits = np.asarray(whole_crop(sight.volume.dimensions, sight.crop)).reshape(3, 2)
     index, point = sight.indices(t)[0], sight.point(t)
     if np.any(index < limits[:, 0]) or np.any(index > limits[:, 1]):
         return False
