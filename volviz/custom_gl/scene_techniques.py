@@ -17,7 +17,7 @@ from volviz.model.scene import Layout, Scene, SceneView
 from volviz.model.slice_plane import NAMED_PLANES
 from volviz.model.store import Store
 from volviz.model.surface_values import DistanceColoring
-from volviz.model.transfer.first_look import automatic_window
+from volviz.model.transfer.first_look import grey_window
 from volviz.model.view_edits import with_comparison
 from volviz.volume_data.vectors import Vector
 from volviz.volume_data.volume import Volume
@@ -99,10 +99,9 @@ def with_window_moved(scene: Scene, volume: Volume, view: int, wider: float, hig
     """
     info = slice_technique()
     settings = scene.view_at(view).settings_for(info.id, info.settings)
-    low, high = automatic_window(volume)
-    width = settings.window_width or high - low
-    level = (low + high) / 2 if settings.window_level is None else settings.window_level
-    changes = {"window_width": width * 2.0**wider, "window_level": level + higher * width}
+    low, high = grey_window(volume, settings.window_level, settings.window_width)
+    width = high - low
+    changes = {"window_width": width * 2.0**wider, "window_level": (low + high) / 2 + higher * width}
     for number, each in enumerate(scene.views):
         if each.technique == info.id:
             changed = replace(each.settings_for(info.id, info.settings), **changes)

@@ -53,6 +53,14 @@ def automatic_window(volume: Volume) -> tuple[float, float]:
     return known
 
 
+def grey_window(volume: Volume, level: float | None, width: float | None) -> tuple[float, float]:
+    """The values that are shown black and white for a middle and a width in data units; None for automatic ones."""
+    low, high = automatic_window(volume)
+    half = (high - low if width is None else width) / 2
+    middle = (low + high) / 2 if level is None else level
+    return middle - half, middle + half
+
+
 def without_outliers(values: Floats) -> tuple[float, float]:
     """Range of values without rare extremes: the quantiles 0.001 and 0.999.
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.techniques.slice.planes import grey_window, shown_planes
+from volviz.custom_gl.techniques.slice.planes import shown_planes
+from volviz.model.transfer.first_look import grey_window
 from volviz.reference.rays import pixel_rays
 from volviz.reference.slices import composited, index_box, projected, slab_offsets, slab_samples
 
@@ -58,7 +59,7 @@ def _colors(
     inside = np.isfinite(values)
     image = np.zeros((*values.shape, 4))
     if settings.coloring == "window":
-        black, white = grey_window(settings, volume)
+        black, white = grey_window(volume, settings.window_level, settings.window_width)
         image[inside, :3] = np.clip((values[inside] - black) / (white - black), 0.0, 1.0)[:, None]
     else:
         image[inside, :3] = scene.function.evaluate(values[inside])[:, :3]

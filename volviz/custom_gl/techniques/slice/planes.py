@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.model.slice_plane import NAMED_PLANES, SlicePlane, slice_plane
-from volviz.model.transfer.first_look import automatic_window
 
 if TYPE_CHECKING:
     from volviz.volume_data.vectors import Vector
-    from volviz.volume_data.volume import Volume
 
 
 def shown_planes(settings: Any, center: Vector) -> tuple[SlicePlane, ...]:
@@ -39,11 +37,3 @@ def facing(settings: Any) -> tuple[Vector, Vector] | None:
         return None
     (plane,) = shown_planes(settings, (0.0, 0.0, 0.0))
     return plane.normal, plane.up
-
-
-def grey_window(settings: Any, volume: Volume) -> tuple[float, float]:
-    """Values shown black and white, in data units."""
-    low, high = automatic_window(volume)
-    width = settings.window_width or high - low
-    level = (low + high) / 2 if settings.window_level is None else settings.window_level
-    return level - width / 2, level + width / 2

@@ -10,9 +10,10 @@ import numpy as np
 
 from volviz.custom_gl.picking import Picked, Sight
 from volviz.custom_gl.shader_source import GLSL
-from volviz.custom_gl.techniques.slice.planes import grey_window, shown_planes
+from volviz.custom_gl.techniques.slice.planes import shown_planes
 from volviz.custom_gl.techniques.slice.spline import SplineTexture
 from volviz.kernels.slices import crop_corners, fan_triangles, slice_polygons
+from volviz.model.transfer.first_look import grey_window
 from volviz.reference.slices import SLAB_MODES, slab_offsets, whole_crop
 
 if TYPE_CHECKING:
@@ -93,7 +94,8 @@ class Slice:
         spacing = settings.slab / len(offsets)
         limits = np.asarray(crop).reshape(3, 2).T
         scale, offset = texels.index_to_texture
-        (low, high), (black, white) = frame.volume.bulk_range, grey_window(settings, frame.volume)
+        low, high = frame.volume.bulk_range
+        black, white = grey_window(frame.volume, settings.window_level, settings.window_width)
         program.set(
             {
                 "u_low": tuple(limits[0] * scale + offset),
