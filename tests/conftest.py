@@ -20,15 +20,9 @@ if TYPE_CHECKING:
 
 TESTS = Path(__file__).parent
 LAYERS = ("unit", "contract", "render", "ui")
-#: Files that take long for what they find: comparison reports drawn by programs of their own, VTK's surfaces, random
-#: users. ``make test`` leaves them out, ``make test-all`` runs them as well.
-SLOW = frozenset(
-    f"test_{name}.py"
-    for name in (
-        "random_operations", "restless_user", "compare_reports", "surface_distances", "compare_metrics",
-        "crosscheck_panel", "doctor_here", "compare_report", "vtk_moving", "vtk_surfaces", "bump_meshes", "bench",
-    )
-)  # fmt: skip
+#: Files that take long for what they find: random users, reports that are drawn by programs of their own. ``make test``
+#: leaves them out, ``make test-all`` runs them as well.
+SLOW = frozenset(f"test_{name}.py" for name in ("random_operations", "restless_user", "compare_reports"))
 FAILED = pytest.StashKey[bool]()
 
 # All of this must stand before the first import of Qt (pytest-qt does it while pytest starts) or VTK.

@@ -52,11 +52,21 @@ _PLACE_POINTERS = {
 
 @dataclass(frozen=True)
 class PlainPixels:
-    """Pixels of one component that lie uncompressed in a file: first byte, type with byte order, used bits of each."""
+    """Pixels of one component that lie uncompressed in a file: first byte, type with byte order, used bits of each.
+
+    That holds for the file as it was then: its size in bytes, and when it was written, in nanoseconds.
+    """
 
     offset: int
     dtype: str
     used_bits: int
+    size: int
+    modified: int
+
+    def are_in(self, path: Path) -> bool:
+        """Whether the file is still the one that was looked at."""
+        now = path.stat()
+        return (now.st_size, now.st_mtime_ns) == (self.size, self.modified)
 
 
 @dataclass(frozen=True)
@@ -216,7 +226,8 @@ def _plain_pixels(
     if tag != (0x7FE0, 0x0010) or not _bytes_of_pixels(file) <= length < 0xFFFFFFFF:
         return None
     kind = f"{'<' if little else '>'}{'i' if file.is_signed else 'u'}{file.bits // 8}"
-    return PlainPixels(start + (8 if implicit else 12), kind, used)
+    now = file.path.stat()
+    return PlainPixels(start + (8 if implicit else 12), kind, used, now.st_size, now.st_mtime_ns)
 
 
 def _bytes_of_pixels(file: ImageFile) -> int:

@@ -69,7 +69,7 @@ def _gray(request: LoadRequest, pixels: npt.NDArray[Any], file: ImageFile) -> np
 
 def _decoded(request: LoadRequest, file: ImageFile, numbers: list[int]) -> Iterator[npt.NDArray[Any]]:
     """Frames of one file, (rows, columns[, samples]), in the order of their numbers."""
-    if file.plain is not None:
+    if file.plain is not None and file.plain.are_in(file.path):
         yield from _plain(request, file, file.plain, numbers)
         return
     import pydicom
