@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from volviz.model.layers import ImageLayer as ImageLayer
     from volviz.model.layers import LabelLayer as LabelLayer
     from volviz.model.light import Light as Light
+    from volviz.model.picture import PictureContents as PictureContents
     from volviz.model.transfer.function import TransferFunction as TransferFunction
     from volviz.renderer import Renderer as Renderer
     from volviz.renderer import render as render
@@ -41,6 +42,7 @@ _PUBLIC = {
     "ImageLayer": "volviz.model.layers",
     "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
+    "PictureContents": "volviz.model.picture",
     "Renderer": "volviz.renderer",
     "TransferFunction": "volviz.model.transfer.function",
     "Volume": "volviz.volume_data.volume",
