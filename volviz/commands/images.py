@@ -86,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
         info = technique(chosen or DEFAULT_TECHNIQUE)
         values = parse_values(info, options.values)
         check_output(output)
-        volume = load_input(options)
+        volume = _loaded(options)
         if asks_for_slice(options):
             values |= plane_values(options, volume, info)
         draw([image_layer(options, volume)], info, values, size, options, output)
@@ -95,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             "--all-techniques draws with every technique; leave out -t, --plane, --at and --slab."
         )
-    volume = load_input(options)
+    volume = _loaded(options)
     layer = image_layer(options, volume)
     try:
         output.mkdir(parents=True, exist_ok=True)
@@ -108,6 +108,14 @@ def run(options: argparse.Namespace) -> int:
             values = parse_values(info, options.values, lenient=True)
             draw([layer], info, values, size, options, output / f"{info.id}.png")
     return 0
+
+
+def _loaded(options: argparse.Namespace) -> Volume:
+    """The volume, and what there is to say of it: which level was chosen, say."""
+    volume = load_input(options)
+    for note in volume.metadata.get("notes", ()):
+        print(f"note: {note}")
+    return volume
 
 
 def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
@@ -146,9 +154,12 @@ def draw(
     with Renderer(size) as renderer:
         view = View(camera, size, None if transparent else background_color(background))
         image = renderer.draw(spec, view, dtype="float32" if output.suffix.lower() == ".npy" else "uint8")
+        notice = renderer.notice
     seconds = time.perf_counter() - begin
     save_image(image, output)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
+    if notice:
+        print(f"note: {notice}")
 
 
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:

@@ -11,11 +11,15 @@ from volviz.custom_gl.layer_set import layer_function
 from volviz.custom_gl.scene_techniques import with_look
 from volviz.errors import VolvizError
 from volviz.io.entries import Entry
+from volviz.io.memory import free_bytes
 from volviz.model.auto_isovalue import auto_isovalue
+from volviz.model.clipping import Crop
 from volviz.model.layer_looks import channel_color, channel_function
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.boxes import between_levels, finest_box
+from volviz.volume_data.description import Box
 from volviz.volume_data.label_indices import label_indices_of
 from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
 from volviz.volume_data.scalars import bricks_of
@@ -133,17 +137,30 @@ def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
     """What can be read of a file."""
     import volviz.io
 
-    return volviz.io.open(
-        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints)
-    )
+    hints: dict[str, Any] = dict(whole_of(ref).hints)
+    return volviz.io.open(ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **hints)
+
+
+def whole_of(ref: VolumeRef) -> VolumeRef:
+    """The reference to all of a file, where this one names a level or a box of it."""
+    return replace(ref, hints=tuple(pair for pair in ref.hints if pair[0] not in ("level", "box")))
+
+
+def shown_part(source: VolumeSource, ref: VolumeRef) -> tuple[int, Box | None]:
+    """Which level a reference names, and which box of its voxels: without one the finest that fits, and all of it."""
+    hints: dict[str, Any] = dict(ref.hints)
+    box = hints.get("box")
+    return hints.get("level", source.default_level if box is None else 0), box
 
 
 def read_volume(source: VolumeSource, key: VolumeKey, task: Task) -> Volume:
     """The values that a key names."""
+    level, box = shown_part(source, key.ref)
     return source.read(
-        source.default_level,
+        level,
         time=key.time,
         channel=key.channel,
+        box=box,
         cancel=lambda: task.is_cancelled,
         progress=task.report,
     )
@@ -202,6 +219,35 @@ def open_channels(key: VolumeKey, source: VolumeSource, task: Task) -> Opened:
     first = replace(key, channel=0)
     function = layers[0].transfer_function or TransferFunction.auto(volumes[first])
     return Opened(first, volumes[first], source, function, layers=tuple(layers), others=volumes)
+
+
+def box_in_full(source: VolumeSource, ref: VolumeRef, crop: Crop) -> VolumeRef:
+    """What a crop box shows, at the finest level at which it fits.
+
+    Parameters
+    ----------
+    source : VolumeSource
+    ref : VolumeRef
+        What is shown of it, all of a level.
+    crop : tuple of 6 floats
+        In voxels of that level.
+    """
+    level, _ = shown_part(source, ref)
+    finest, box = finest_box(source, crop, level, free_bytes())
+    whole = whole_of(ref)
+    return replace(whole, hints=(*whole.hints, ("level", finest), ("box", box)))
+
+
+def box_again(source: VolumeSource, ref: VolumeRef) -> tuple[VolumeRef, Crop | None]:
+    """The whole of what a reference shows a box of, and the crop box that is that box."""
+    level, box = shown_part(source, ref)
+    whole = whole_of(ref)
+    if box is None:
+        return whole, None
+    shown = source.levels[shown_part(source, whole)[0]]
+    # from the first voxel to the last, not to the one behind it
+    extent = (box[0], box[1] - 1, box[2], box[3] - 1, box[4], box[5] - 1)
+    return whole, between_levels(extent, source.levels[level], shown)
 
 
 def layers_of(opened: Opened) -> tuple[Layer, ...]:
