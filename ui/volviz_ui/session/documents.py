@@ -25,7 +25,6 @@ from volviz_ui.session.opening import (
     Opened,
     SeveralImages,
     has_channels,
-    layers_of,
     open_channels,
     open_volume,
     scene_with,
@@ -222,7 +221,7 @@ class Documents(QObject):
         self._end()
         self._keep(opened)
         self._store.update(
-            lambda scene: with_added(scene, layers_of(opened)),
+            lambda scene: with_added(scene, opened.layers),
             label=self.tr("Add %1").replace("%1", opened.volume.name),
         )
 
