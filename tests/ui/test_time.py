@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -83,7 +84,7 @@ def test_while_time_runs_no_picture_is_mixed_or_stale(
     wait_for(lambda: is_complete(window))
     assert all(beside == inside for beside, inside in seen)
     numbers = [number for number, before in zip(seen[1:], seen, strict=False) if number != before]
-    assert all((b[0] - a[0]) % COUNT == 1 for a, b in zip(numbers, numbers[1:], strict=False))
+    assert all((b[0] - a[0]) % COUNT == 1 for a, b in itertools.pairwise(numbers))
     wait_for(lambda: window.data_panel.histogram.counts is not None)
     # all of it is one step of the history
     window.documents.undo()
