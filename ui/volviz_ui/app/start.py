@@ -24,7 +24,9 @@ def main(source: str | None = None, **hints: Any) -> int:
         Exit status.
     """
     prepare()
-    # everything below needs the environment above
+    # Everything below needs the environment above. PyVista comes before Qt: PySide looks into
+    # the source of every module that is imported after it, which PyVista's thousand feel.
+    import pyvista.plotting  # noqa: F401
     from PySide6.QtCore import QTimer
 
     from volviz_ui.app.application import make_application
