@@ -74,7 +74,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 _COMMANDS = (
     "render", "convert", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques",
-    "presets", "doctor",
+    "presets", "looks", "doctor",
 )  # fmt: skip
 
 

@@ -50,6 +50,11 @@ def add_commands(commands: Any) -> None:
     parser.add_argument(
         "--all-techniques", action="store_true", help="draw with every technique into a folder"
     )
+    parser.add_argument(
+        "--look",
+        metavar="NAME",
+        help='technique, function and light that suit the data: "best", or one that volviz looks FILE lists',
+    )
     parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
     parser.add_argument(
         "--transfer-function", metavar="FILE", help="transfer function from a file (JSON, .vp, .dat)"
@@ -77,6 +82,9 @@ def run(options: argparse.Namespace) -> int:
 
     size = parse_size(options.size)
     output = Path(options.output).expanduser()
+    if options.look is not None:
+        draw_look(options, size, output)
+        return 0
     if asks_for_layers(options):
         draw_layers(options, size, output)
         return 0
@@ -118,6 +126,27 @@ def _loaded(options: argparse.Namespace) -> Volume:
     return volume
 
 
+def draw_look(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
+    """Draw a volume as one of its looks shows it."""
+    from volviz.custom_gl.registry import technique
+    from volviz.model.looks.choice import look_named
+
+    given = {
+        "-t": options.technique, "--classic": options.classic, "--all-techniques": options.all_techniques,
+        "--layer or --channel with a look": asks_for_layers(options), "--plane": asks_for_slice(options),
+    }  # fmt: skip
+    for name, value in given.items():
+        if value:
+            raise InputError(f"--look brings technique and settings; leave out {name}, or --look.")
+    single_channel(options)
+    check_output(output)
+    volume = _loaded(options)
+    look = look_named(volume, options.look)
+    info = technique(look.technique)
+    values = {"look": look, **parse_values(info, options.values)}
+    draw([image_layer(options, volume)], info, values, size, options, output)
+
+
 def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
     """Draw several layers in one image."""
     from volviz.custom_gl.registry import technique
@@ -146,7 +175,7 @@ def draw(
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
-    spec = spec_of(layers, info.id, classic=options.classic, **values)
+    spec = spec_of(layers, None if "look" in values else info.id, classic=options.classic, **values)
     transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
     background = "black" if options.background.lower() == "none" else options.background
     camera = turned_camera(spec, size, options)
