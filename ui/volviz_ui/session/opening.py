@@ -131,8 +131,9 @@ def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
     """What can be read of a file."""
     import volviz.io
 
-    hints: dict[str, Any] = dict(whole_of(ref).hints)
-    return volviz.io.open(ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **hints)
+    return volviz.io.open(
+        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(whole_of(ref).hints)
+    )
 
 
 def read_volume(source: VolumeSource, key: VolumeKey, task: Task) -> Volume:
