@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -63,11 +64,15 @@ def _pixels(
     """Shapes on nothing, shape (H, W, 4), premultiplied."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+    # lines are cut off at the edge of a figure and get their round ends there: the edge lies farther out
+    pad = 2 + math.ceil(max((shape.width for shape in shapes if isinstance(shape, Line)), default=0.0))
+    size, origin = (size[0] + 2 * pad, size[1] + 2 * pad), (origin[0] - pad, origin[1] - pad)
     figure = _figure(size, 1.0)
     canvas: Any = FigureCanvasAgg(figure)
     _draw(figure, shapes, size, origin, 1.0, rims=True)
     canvas.draw()
-    pixels = np.asarray(canvas.buffer_rgba(), np.float32) / np.float32(255.0)
+    inside = np.asarray(canvas.buffer_rgba())[pad:-pad, pad:-pad]
+    pixels = inside.astype(np.float32) / np.float32(255.0)
     pixels[..., :3] *= pixels[..., 3:]
     return pixels
 

@@ -52,6 +52,11 @@ def add_commands(commands: Any) -> None:
     parser.add_argument(
         "--all-techniques", action="store_true", help="draw with every technique into a folder"
     )
+    parser.add_argument(
+        "--look",
+        metavar="NAME",
+        help='technique, function and light that suit the data: "best", or one that volviz looks FILE lists',
+    )
     parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
     parser.add_argument(
         "--transfer-function", metavar="FILE", help="transfer function from a file (JSON, .vp, .dat)"
@@ -93,6 +98,9 @@ def run(options: argparse.Namespace) -> int:
 
     size = parse_size(options.size)
     output = Path(options.output).expanduser()
+    if options.look is not None:
+        draw_look(options, size, output)
+        return 0
     if asks_for_layers(options):
         draw_layers(options, size, output)
         return 0
@@ -102,7 +110,7 @@ def run(options: argparse.Namespace) -> int:
         info = technique(chosen or DEFAULT_TECHNIQUE)
         values = parse_values(info, options.values)
         check_output(output)
-        volume = load_input(options)
+        volume = _loaded(options)
         if asks_for_slice(options):
             values |= plane_values(options, volume, info)
         draw([image_layer(options, volume)], info, values, size, options, output)
@@ -111,7 +119,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             "--all-techniques draws with every technique; leave out -t, --plane, --at and --slab."
         )
-    volume = load_input(options)
+    volume = _loaded(options)
     layer = image_layer(options, volume)
     try:
         output.mkdir(parents=True, exist_ok=True)
@@ -124,6 +132,35 @@ def run(options: argparse.Namespace) -> int:
             values = parse_values(info, options.values, lenient=True)
             draw([layer], info, values, size, options, output / f"{info.id}.png")
     return 0
+
+
+def _loaded(options: argparse.Namespace) -> Volume:
+    """The volume, and what there is to say of it: which level was chosen, say."""
+    volume = load_input(options)
+    for note in volume.metadata.get("notes", ()):
+        print(f"note: {note}")
+    return volume
+
+
+def draw_look(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
+    """Draw a volume as one of its looks shows it."""
+    from volviz.custom_gl.registry import technique
+    from volviz.model.looks.choice import look_named
+
+    given = {
+        "-t": options.technique, "--classic": options.classic, "--all-techniques": options.all_techniques,
+        "--layer or --channel with a look": asks_for_layers(options), "--plane": asks_for_slice(options),
+    }  # fmt: skip
+    for name, value in given.items():
+        if value:
+            raise InputError(f"--look brings technique and settings; leave out {name}, or --look.")
+    single_channel(options)
+    check_output(output)
+    volume = _loaded(options)
+    look = look_named(volume, options.look)
+    info = technique(look.technique)
+    values = {"look": look, **parse_values(info, options.values)}
+    draw([image_layer(options, volume)], info, values, size, options, output)
 
 
 def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
@@ -157,7 +194,7 @@ def draw(
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
-    spec = spec_of(layers, info.id, classic=options.classic, **values)
+    spec = spec_of(layers, None if "look" in values else info.id, classic=options.classic, **values)
     transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
     background = "black" if options.background.lower() == "none" else options.background
     camera = turned_camera(spec, size, options)
@@ -172,9 +209,12 @@ def draw(
         else:
             dtype: Any = "float32" if output.suffix.lower() == ".npy" else "uint8"
             image, shapes = renderer.draw(spec, view, dtype=dtype, contents=contents), ()
+        notice = renderer.notice
     seconds = time.perf_counter() - begin
     save_image(image, output, shapes, ground, options.dpi)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
+    if notice:
+        print(f"note: {notice}")
     if options.methods:
         print(methods_sentence(resolve(spec), camera, size))
 
