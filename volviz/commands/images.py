@@ -45,10 +45,17 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
                         " a folder with --all-techniques")  # fmt: skip
     parser.add_argument(
-        "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
-    )
-    parser.add_argument(
         "--all-techniques", action="store_true", help="draw with every technique into a folder"
+    )
+    add_look_options(parser)
+    add_plane_options(parser)
+    parser.set_defaults(run=run)
+
+
+def add_look_options(parser: argparse.ArgumentParser) -> None:
+    """What is drawn, from where and how large: for all that draws."""
+    parser.add_argument(
+        "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
     )
     parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
     parser.add_argument(
@@ -67,8 +74,6 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
                         help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
     parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
-    add_plane_options(parser)
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -153,15 +158,9 @@ def draw(
 
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:
     """The camera that the options ask for, around what is visible."""
-    from volviz.custom_gl.framing import default_camera, layers_camera
     from volviz.custom_gl.resolve import resolve
 
-    shown = resolve(spec)
-    facing = shown.info.facing(shown.settings) if shown.info.facing is not None else None
-    if facing is not None:
-        camera = default_camera(shown.volume, size, options.azimuth, options.elevation, facing=facing)
-    else:
-        camera = layers_camera(shown.seen, size, options.azimuth, options.elevation)
+    camera = resolve(spec).framing_camera(size, options.azimuth, options.elevation)
     return replace(
         camera,
         view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),
