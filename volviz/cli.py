@@ -71,7 +71,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 _COMMANDS = (
     "render", "movie", "convert", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques",
-    "presets", "doctor",
+    "presets", "looks", "doctor",
 )  # fmt: skip
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from volviz.commands.inputs import add_input, load_input
@@ -57,6 +58,11 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
     )
+    parser.add_argument(
+        "--look",
+        metavar="NAME",
+        help='technique, function and light that suit the data: "best", or one that volviz looks FILE lists',
+    )
     parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
     parser.add_argument(
         "--transfer-function", metavar="FILE", help="transfer function from a file (JSON, .vp, .dat)"
@@ -82,6 +88,9 @@ def run(options: argparse.Namespace) -> int:
 
     size = parse_size(options.size)
     output = Path(options.output).expanduser()
+    if options.look is not None:
+        draw_look(options, size, output)
+        return 0
     if asks_for_layers(options):
         draw_layers(options, size, output)
         return 0
@@ -115,6 +124,37 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def draw_look(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
+    """Draw a volume as one of its looks shows it."""
+    check_look(options, {"--all-techniques": options.all_techniques, "--plane": asks_for_slice(options)})
+    single_channel(options)
+    check_output(output)
+    volume = load_input(options)
+    info, values = look_values(options, volume)
+    draw([image_layer(options, volume)], info, values, size, options, output)
+
+
+def check_look(options: argparse.Namespace, given: Mapping[str, Any] = MappingProxyType({})) -> None:
+    """Refuse what does not go with ``--look``: other ways to say what a look says, and those given by name."""
+    given = {
+        "-t": options.technique, "--classic": options.classic,
+        "--layer or --channel with a look": asks_for_layers(options), **given,
+    }  # fmt: skip
+    for name, value in given.items():
+        if value:
+            raise InputError(f"--look brings technique and settings; leave out {name}, or --look.")
+
+
+def look_values(options: argparse.Namespace, volume: Volume) -> tuple[TechniqueInfo, dict[str, Any]]:
+    """Technique and keywords of the look that the options name, with the settings that they give."""
+    from volviz.custom_gl.registry import technique
+    from volviz.model.looks.choice import look_named
+
+    look = look_named(volume, options.look)
+    info = technique(look.technique)
+    return info, {"look": look, **parse_values(info, options.values)}
+
+
 def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
     """Draw several layers in one image."""
     from volviz.custom_gl.registry import technique
@@ -143,7 +183,7 @@ def draw(
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
-    spec = spec_of(layers, info.id, classic=options.classic, **values)
+    spec = spec_of(layers, None if "look" in values else info.id, classic=options.classic, **values)
     transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
     background = "black" if options.background.lower() == "none" else options.background
     camera = turned_camera(spec, size, options)

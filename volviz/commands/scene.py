@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from volviz.commands.images import parse_values, transfer_function, turned_camera
+from volviz.commands.images import check_look, look_values, parse_values, transfer_function, turned_camera
 from volviz.commands.inputs import hints_of, open_input, part_of, source_of
 from volviz.commands.layers import asks_for_layers, file_of, layers_of_options, single_channel
 from volviz.errors import InputError
@@ -19,7 +19,17 @@ if TYPE_CHECKING:
     from volviz.volume_data.references import VolumeRef
 
 #: Options that say how a file is shown; a session says that itself.
-_LOOKS = ("technique", "preset", "transfer_function", "values", "classic", "layers", "channel", "parallel")
+_LOOKS = (
+    "technique",
+    "look",
+    "preset",
+    "transfer_function",
+    "values",
+    "classic",
+    "layers",
+    "channel",
+    "parallel",
+)
 
 
 def scene_of_options(options: argparse.Namespace, size: tuple[int, int]) -> Scene:
@@ -53,14 +63,22 @@ def scene_of_options(options: argparse.Namespace, size: tuple[int, int]) -> Scen
 def _scene_of_file(options: argparse.Namespace, size: tuple[int, int]) -> Scene:
     from volviz.custom_gl.arguments import spec_of
     from volviz.custom_gl.registry import technique
+    from volviz.model.layers import volume_of
     from volviz.model.scene import Scene, SceneView
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
-    info = technique(options.technique or DEFAULT_TECHNIQUE)
-    values = parse_values(info, options.values)
+    if options.look is not None:
+        check_look(options)
     found = _layers(options)
-    spec = spec_of([layer for layer, _ in found], info.id, classic=options.classic, **values)
+    layers = [layer for layer, _ in found]
+    if options.look is None:
+        info = technique(options.technique or DEFAULT_TECHNIQUE)
+        spec = spec_of(layers, info.id, classic=options.classic, **parse_values(info, options.values))
+    else:
+        info, values = look_values(options, volume_of(layers[0]))
+        spec = spec_of(layers, None, **values)
+        found = [(shown, ref) for shown, (_, ref) in zip(spec.layers, found, strict=True)]
     view = SceneView(info.id, camera=turned_camera(spec, size, options))
     return Scene(
         tuple(replace(layer, volume=ref) for layer, ref in found),

@@ -209,6 +209,15 @@ class ResolvedSpec:
             return ""
         return "Regions over value and gradient are drawn without pre-integration."
 
+    def lies_like(self, other: ResolvedSpec) -> bool:
+        """Whether the volumes of another one lie in the same places and are of the same types: other time points."""
+        if len(self.layers) != len(other.layers) or len(self.labels) != len(other.labels):
+            return False
+        return all(
+            is_same_lattice(one, two) and one.array.dtype == two.array.dtype
+            for one, two in zip(self.volumes, other.volumes, strict=True)
+        )
+
     def is_same_surface(self, other: ResolvedSpec) -> bool:
         """Whether a mesh technique extracts the same mesh."""
         return (

@@ -8,10 +8,10 @@ from typing import Any
 
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
-from volviz.custom_gl.settings import common_settings
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
+from volviz.model.looks.look import Look
 from volviz.model.parameters import Parameter, make_settings
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Layout, Scene, SceneView
@@ -117,11 +117,25 @@ def without_slices(scene: Scene) -> Scene:
     return replace(scene, views=views, active=0, layout="grid")
 
 
-def with_look(scene: Scene, technique: str, values: Mapping[str, Any] | None) -> Scene:
-    """The scene whose active view is drawn as a preset says.
+def with_look(scene: Scene, look: Look) -> Scene:
+    """The scene whose volume is shown in another way: its function, and the technique of a view with its settings.
 
-    What is lit gets a light from the upper left, as long as nobody has touched the light: from the eye itself shapes
-    look flat.
+    Views that are compared, and slices, keep their techniques.
+    """
+    scene = scene.with_layer(transfer_function=look.transfer_function)
+    volumes = [number for number, view in enumerate(scene.views) if not view.own_camera]
+    if len(volumes) != 1:
+        return scene
+    return with_technique(scene, look.technique, look.settings, volumes[0])
+
+
+def with_technique(
+    scene: Scene, technique: str, values: Mapping[str, Any] | None, view: int | None = None
+) -> Scene:
+    """The scene one of whose views is drawn by a technique with these settings.
+
+    What is lit gets a light from the upper left, as long as nobody has touched the light: from the eye itself
+    shapes look flat.
 
     Parameters
     ----------
@@ -130,6 +144,8 @@ def with_look(scene: Scene, technique: str, values: Mapping[str, Any] | None) ->
         Id of the technique.
     values : mapping or None
         Its settings by name; None leaves those that it has.
+    view : int, optional
+        Number of the view, the active one unless another is named.
 
     Raises
     ------
@@ -137,11 +153,13 @@ def with_look(scene: Scene, technique: str, values: Mapping[str, Any] | None) ->
         There is no such technique or setting.
     """
     info = technique_info(technique)
-    view = replace(scene.view, technique=info.id)
+    drawn = replace(scene.view_at(view), technique=info.id)
     if values is not None:
-        view = view.with_settings(info.id, make_settings(info.settings, dict(values), owner=info.id))
-    changed = scene.with_view(technique=view.technique, settings=view.settings)
-    lit = common_settings(current_settings(changed)).shading
+        drawn = drawn.with_settings(info.id, make_settings(info.settings, dict(values), owner=info.id))
+    changed = scene.with_view(view, technique=drawn.technique, settings=drawn.settings)
+    settings = current_settings(changed, view)
+    # a technique whose settings have no switch for it is always lit where it has an ambient light
+    lit = getattr(settings, "shading", hasattr(settings, "ambient"))
     return replace(changed, light=Light(headlight=False)) if lit and scene.light == Light() else changed
 
 

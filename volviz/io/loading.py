@@ -223,7 +223,8 @@ def suffixes() -> tuple[str, ...]:
 
 def file_dialog_filters() -> list[str]:
     """Entries for a file dialog in Qt's syntax: all formats together, each format, all files."""
-    everything = f"Volumes ({' '.join('*' + suffix for suffix in suffixes())})"
+    packed = [suffix for suffix in (*PACKED_SUFFIXES, ".zip") if suffix not in suffixes()]
+    everything = f"Volumes ({' '.join('*' + suffix for suffix in (*suffixes(), *packed))})"
     return [everything, *(reader.dialog_filter for reader in READERS if reader.suffixes), "All files (*)"]
 
 

@@ -40,7 +40,7 @@ class Future(Protocol[Result_co]):
 PART = ("level", "time", "channel", "box")
 
 #: Endings of files that are packed as a whole, behind that of their format.
-PACKED_SUFFIXES = (".gz", ".bz2", ".xz")
+PACKED_SUFFIXES = (".gz", ".bz2", ".xz", ".zst")
 
 #: Bytes of a file that `Reader.sniff` is given.
 HEAD_BYTES = 4096

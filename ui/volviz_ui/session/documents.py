@@ -28,7 +28,6 @@ from volviz_ui.session.opening import (
     Opened,
     SeveralImages,
     has_channels,
-    layers_of,
     open_channels,
     open_volume,
     scene_with,
@@ -39,6 +38,8 @@ from volviz_ui.session.workers import Task, Workers
 
 SOURCES = 8
 """Files whose headers are kept."""
+FRAMES_BUDGET = 384 << 20
+"""Bytes of time points that are kept or have been read ahead, with the texels made of them."""
 
 
 class Documents(QObject):
@@ -67,6 +68,8 @@ class Documents(QObject):
         self._store = store
         self._workers = workers
         self.cache = VolumeCache()
+        #: Time points of the data that is shown.
+        self.frames = VolumeCache(FRAMES_BUDGET)
         self._sources: OrderedDict[VolumeRef, VolumeSource] = OrderedDict()
         self._shown = LoadedScene()
         self._read: dict[VolumeKey, Volume] = {}
@@ -94,6 +97,16 @@ class Documents(QObject):
         """Where the volume that is shown comes from: its other time points and channels can be read of it."""
         layer = self._shown.scene.layer
         return None if layer is None else self._sources.get(layer.key.ref)
+
+    def source_of(self, ref: VolumeRef) -> VolumeSource | None:
+        """Where the data of a layer comes from; None where it is not known any more."""
+        return self._sources.get(ref)
+
+    def at_hand(self, key: VolumeKey) -> Volume | None:
+        """A volume that need not be read."""
+        return (
+            self._shown.volumes.get(key) or self._read.get(key) or self.frames.get(key) or self.cache.get(key)
+        )
 
     @property
     def is_current(self) -> bool:
@@ -178,6 +191,7 @@ class Documents(QObject):
         self._task = None
         self._shown = LoadedScene()
         self.cache.clear()
+        self.frames.clear()
         self._sources.clear()
 
     # ------------------------------------------------------------------ inside
@@ -225,7 +239,7 @@ class Documents(QObject):
         self._end()
         self._keep(opened)
         self._store.update(
-            lambda scene: with_added(scene, layers_of(opened)),
+            lambda scene: with_added(scene, opened.layers),
             label=self.tr("Add %1").replace("%1", opened.volume.name),
         )
 
@@ -289,14 +303,10 @@ class Documents(QObject):
                 self._end()
             self._show(loaded)
         else:
-            missing = next(key for key in keys_of(scene) if self._at_hand(key) is None)
+            missing = next(key for key in keys_of(scene) if self.at_hand(key) is None)
             if missing != self._awaited:
                 self._awaited = missing
                 self._start(missing, first=False)
-
-    def _at_hand(self, key: VolumeKey) -> Volume | None:
-        """A volume that need not be read."""
-        return self._shown.volumes.get(key) or self._read.get(key) or self.cache.get(key)
 
     def _loaded(self, scene: Scene) -> LoadedScene | None:
         """The scene with its volumes, None when one of them must be read."""
@@ -305,7 +315,7 @@ class Documents(QObject):
             return LoadedScene(scene, self._shown.volumes)
         volumes: dict[VolumeKey, Volume] = {}
         for key in keys:
-            volume = self._at_hand(key)
+            volume = self.at_hand(key)
             if volume is None:
                 return None
             volumes[key] = volume

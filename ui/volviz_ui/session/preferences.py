@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from PySide6.QtCore import QByteArray, QSettings
 
 from volviz.volume_data.references import VolumeKey, VolumeRef
+from volviz_ui.session.time_player import Repeat
 from volviz_ui.style.theme import Choice
 
 RECENT_LIMIT = 12
@@ -47,6 +48,16 @@ class Preferences:
     @quality.setter
     def quality(self, value: str) -> None:
         self._settings.setValue("quality", value)
+
+    @property
+    def repeat(self) -> Repeat:
+        """What follows the last time point."""
+        value = str(self._settings.value("repeat", "loop"))
+        return cast("Repeat", value if value in get_args(Repeat) else "loop")
+
+    @repeat.setter
+    def repeat(self, value: Repeat) -> None:
+        self._settings.setValue("repeat", value)
 
     @property
     def window(self) -> tuple[QByteArray, QByteArray] | None:
