@@ -100,7 +100,7 @@ def run(options: argparse.Namespace) -> int:
         info = technique(chosen or DEFAULT_TECHNIQUE)
         values = parse_values(info, options.values)
         check_output(output)
-        volume = load_input(options)
+        volume = _loaded(options)
         if asks_for_slice(options):
             values |= plane_values(options, volume, info)
         draw([image_layer(options, volume)], info, values, size, options, output)
@@ -109,7 +109,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             "--all-techniques draws with every technique; leave out -t, --plane, --at and --slab."
         )
-    volume = load_input(options)
+    volume = _loaded(options)
     layer = image_layer(options, volume)
     try:
         output.mkdir(parents=True, exist_ok=True)
@@ -124,12 +124,20 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _loaded(options: argparse.Namespace) -> Volume:
+    """The volume, and what there is to say of it: which level was chosen, say."""
+    volume = load_input(options)
+    for note in volume.metadata.get("notes", ()):
+        print(f"note: {note}")
+    return volume
+
+
 def draw_look(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
     """Draw a volume as one of its looks shows it."""
     check_look(options, {"--all-techniques": options.all_techniques, "--plane": asks_for_slice(options)})
     single_channel(options)
     check_output(output)
-    volume = load_input(options)
+    volume = _loaded(options)
     info, values = look_values(options, volume)
     draw([image_layer(options, volume)], info, values, size, options, output)
 
@@ -191,9 +199,12 @@ def draw(
     with Renderer(size) as renderer:
         view = View(camera, size, None if transparent else background_color(background))
         image = renderer.draw(spec, view, dtype="float32" if output.suffix.lower() == ".npy" else "uint8")
+        notice = renderer.notice
     seconds = time.perf_counter() - begin
     save_image(image, output)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
+    if notice:
+        print(f"note: {notice}")
 
 
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:

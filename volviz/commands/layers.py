@@ -59,6 +59,8 @@ def layers_of_options(
     import volviz.io
     from volviz.model.layers import ImageLayer
 
+    if options.level is not None or options.box is not None:
+        raise InputError("--level and --box read a part of one volume, and go with a single layer.")
     chosen = [_channel(text) for text in options.channel]
     first = argparse.Namespace(**{**vars(options), "channel": None, "time": None})
     source = volviz.io.open(source_of(options), **hints_of(first))

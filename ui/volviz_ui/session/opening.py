@@ -22,6 +22,7 @@ from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, VolumeRef, c
 from volviz.volume_data.scalars import bricks_of
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
+from volviz_ui.session.file_parts import shown_part, whole_of
 from volviz_ui.session.workers import Task
 
 #: Channels that may be shown together.
@@ -130,16 +131,18 @@ def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
     import volviz.io
 
     return volviz.io.open(
-        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints)
+        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(whole_of(ref).hints)
     )
 
 
 def read_volume(source: VolumeSource, key: VolumeKey, task: Task) -> Volume:
     """The values that a key names."""
+    level, box = shown_part(source, key.ref)
     return source.read(
-        source.default_level,
+        level,
         time=key.time,
         channel=key.channel,
+        box=box,
         cancel=lambda: task.is_cancelled,
         progress=task.report,
     )
