@@ -17,14 +17,13 @@ from volviz.io.reader import (
     HEAD_BYTES,
     PACKED_SUFFIXES,
     PART,
-    SAMPLE_PREFIX,
     ZIP,
     LoadOptions,
     LoadRequest,
     is_packed,
 )  # fmt: skip
 from volviz.io.table import READERS
-from volviz.volume_data.references import is_address
+from volviz.volume_data.references import SAMPLE_PREFIX, is_address
 from volviz.volume_data.source import checked_box, checked_number
 
 if TYPE_CHECKING:
