@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from volviz.model.layers import ImageLayer as ImageLayer
     from volviz.model.layers import LabelLayer as LabelLayer
     from volviz.model.light import Light as Light
+    from volviz.model.looks.choice import looks as looks
+    from volviz.model.looks.look import Look as Look
     from volviz.model.transfer.function import TransferFunction as TransferFunction
     from volviz.renderer import Renderer as Renderer
     from volviz.renderer import render as render
@@ -44,6 +46,7 @@ _PUBLIC = {
     "ImageLayer": "volviz.model.layers",
     "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
+    "Look": "volviz.model.looks.look",
     "Renderer": "volviz.renderer",
     "TransferFunction": "volviz.model.transfer.function",
     "Volume": "volviz.volume_data.volume",
@@ -52,6 +55,7 @@ _PUBLIC = {
     "add_volume": "volviz.custom_gl.vtk",
     "extract_isosurface": "volviz.meshes.polydata",
     "load": "volviz.io",
+    "looks": "volviz.model.looks.choice",
     "open": "volviz.io",
     "marching_cubes": "volviz.kernels.marching",
     "plane_points": "volviz.slice_images",

@@ -1,4 +1,4 @@
-"""Files packed as a whole (.nrrd.gz, .npy.bz2, .vti.xz) and zip files: unpacked, then read as any other.
+"""Files packed as a whole (.nrrd.gz, .npy.bz2, .vti.xz, .nii.zst) and zip files: unpacked, then read as any other.
 
 Readers that unpack while they read (NIfTI, raw) get what gzip has packed as it is.
 """
@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from volviz.errors import LoadError
+from volviz.io import zstd
 from volviz.io.reader import PACKED_SUFFIXES
 from volviz.volume_data.references import content_id
 
@@ -35,9 +36,10 @@ _BLOCK = 4 << 20
 #: Bytes of the disk that stay free whatever a packed file holds.
 _LEFT_FREE = 256 << 20
 
+
 #: First bytes of the ways to pack, and what unpacks a file.
 _UNPACKERS: dict[bytes, Callable[[IO[bytes]], Any]] = {
-    GZIP: gzip.open, b"BZh": bz2.open, b"\xfd7zXZ\0": lzma.open,
+    GZIP: gzip.open, b"BZh": bz2.open, b"\xfd7zXZ\0": lzma.open, zstd.MAGIC: zstd.unpacked,
 }  # fmt: skip
 
 _DAMAGE = (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile, OSError, ValueError)
@@ -55,12 +57,15 @@ def is_packed(head: bytes) -> bool:
 
 def unpacked_head(path: Path, count: int) -> bytes:
     """The first bytes of what a packed file holds; none of a damaged one."""
-    with path.open("rb") as stream, _unpacker(stream) as plain:
-        try:
-            head: bytes = plain.read(count)
-        except _DAMAGE:
-            return b""
-    return head
+    try:
+        with path.open("rb") as stream:
+            if stream.read(4) == zstd.MAGIC:
+                stream.seek(0)
+                return zstd.unpacked_start(stream)[:count]
+            with _unpacker(stream) as plain:
+                return bytes(plain.read(count))
+    except _DAMAGE:
+        return b""
 
 
 def open_unpacked(request: LoadRequest, opening: Callable[[LoadRequest], FileSource]) -> FileSource:
@@ -188,21 +193,30 @@ def _kept_with(source: FileSource, folder: Path, request: LoadRequest) -> FileSo
 
 
 def _unpacker(stream: IO[bytes]) -> Any:
+    stream.seek(0)
     head = stream.read(8)
     stream.seek(0)
     return next(make for magic, make in _UNPACKERS.items() if head.startswith(magic))(stream)
 
 
 def _unpack(request: LoadRequest, target: Path) -> None:
+    with request.path.open("rb") as stream:
+        try:
+            with _unpacker(stream) as plain:
+                _copy(request, stream, plain, target)
+        except EOFError:
+            raise request.error("the file is cut off; get it again.") from None
+        except _DAMAGE as error:
+            if isinstance(error, OSError) and error.errno is not None:
+                raise
+            raise request.error("the compressed data is damaged; get the file again.") from None
+
+
+def _copy(request: LoadRequest, stream: IO[bytes], plain: IO[bytes], target: Path) -> None:
     size = max(request.path.stat().st_size, 1)
-    with request.path.open("rb") as stream, _unpacker(stream) as plain, target.open("wb") as copy:
+    with target.open("wb") as copy:
         while True:
-            try:
-                block = plain.read(_BLOCK)
-            except EOFError:
-                raise request.error("the file is cut off; get it again.") from None
-            except _DAMAGE:
-                raise request.error("the compressed data is damaged; get the file again.") from None
+            block = plain.read(_BLOCK)
             if not block:
                 return
             if shutil.disk_usage(target.parent).free < len(block) + _LEFT_FREE:

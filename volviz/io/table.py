@@ -20,8 +20,10 @@ from volviz.io import (
     numpy_files,
     plain_headers,
     raw,
+    slc,
     tiff,
     vtk_files,
+    vtk_kinds,
     zarr,
 )
 from volviz.io.file_source import FileSource
@@ -64,7 +66,8 @@ READERS: tuple[Reader, ...] = (
     Reader("NIfTI", nifti.SUFFIXES, nifti.sniff, nifti.open_source, reads_gzip=True),
     Reader("NRRD", nrrd.SUFFIXES, nrrd.sniff, nrrd.open_source),
     Reader("MetaImage", metaimage.SUFFIXES, metaimage.sniff, metaimage.open_source),
-    Reader("VTK image", vtk_files.SUFFIXES, vtk_files.sniff, vtk_files.open_source),
+    Reader("VTK image", vtk_files.SUFFIXES, vtk_kinds.sniff, vtk_files.open_source),
+    Reader("SLC", slc.SUFFIXES, slc.sniff, slc.open_source),
     Reader("MRC", mrc.SUFFIXES, mrc.sniff, mrc.open_source),
     Reader("MGH", neuroimaging.MGH_SUFFIXES, neuroimaging.sniff_mgh, neuroimaging.open_mgh, reads_gzip=True),
     # before HDF5, in which MINC 2 is kept
@@ -87,7 +90,7 @@ READERS: tuple[Reader, ...] = (
         plain_headers.open_interfile,
     ),
     # before TIFF: the first 128 bytes of a DICOM file are free and often hold a TIFF header
-    Reader("DICOM", dicom.SUFFIXES, dicom.sniff, dicom.open_source),
+    Reader("DICOM", dicom.SUFFIXES, dicom.sniff, dicom.open_source, reads_gzip=True),
     Reader("Zarr", zarr.SUFFIXES, zarr.sniff, zarr.open_source),
     Reader("HDF5", hdf5.SUFFIXES, hdf5.sniff, hdf5.open_source),
     Reader("MATLAB", matlab.SUFFIXES, matlab.sniff, matlab.open_source),

@@ -1,8 +1,8 @@
 """Measuring: lengths, angles, areas, volumes and profiles, each with its error.
 
 Every number is a `Measured`: a value, its unit and the half-width of the interval that holds the true value in 95 of
-100 cases. What goes into that interval is told by each function. Points are world positions (x, y, z), or `Point` where it
-is known how well they are known: the functions of `volviz.measure.points` find such points along a ray.
+100 cases. What goes into that interval is told by each function. Points are world positions (x, y, z), or `Point`
+where it is known how well they are known: the functions of `volviz.measure.points` find such points along a ray.
 """
 
 from __future__ import annotations

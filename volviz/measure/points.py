@@ -1,10 +1,10 @@
 """Points along a ray, found by a stated rule, with the error of their place along it.
 
 The values between voxels are linear. What that leaves open is found by two levels (Richardson 1911; Roache,
-"Perspective: a method for uniform reporting of grid refinement studies", 1994, with the factor 3 for two levels):
-the same rule on every second voxel, for each of the eight ways to choose them, and on means of neighbours. How far
-these lie off together is the error of the interpolation; how much they differ, that of where the voxels happen to lie. To that
-comes the noise of the values and, if told, the error of the isovalue, both divided by the slope along the ray.
+"Perspective: a method for uniform reporting of grid refinement studies", 1994, with the factor 3 for two levels): the
+same rule on every second voxel, for each of the eight ways to choose them, and on means of neighbours. How far these
+lie off together is the error of the interpolation; how much they differ, that of where the voxels happen to lie. To
+that comes the noise of the values and, if told, the error of the isovalue, both divided by the slope along the ray.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """The volume within an isosurface.
 
 The error has two parts, as for points along a ray (`volviz.measure.points`): the surface of every second voxel, for
-each of the eight ways to choose them, and that of means of eight voxels. How far these are off together is the error of
-the extraction (after Roache 1994; `SAFETY`); how much they differ is where voxels happen to lie, and noise. The
-latter is found for each of the six sides of the body, since opposite faces may hide from each other what they are off.
+each of the eight ways to choose them, and that of means of eight voxels. How far these are off together is the error
+of the extraction (after Roache 1994; `SAFETY`); how much they differ is where voxels happen to lie, and noise. The
+latter is found for each of the six sides of the body, since opposite faces may hide from each other what they are
+off.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
 How far a count is off depends on how the surface lies to the lattice. Where its direction changes, errors cancel: the
 variance of the count is the surface times a constant of the lattice (Kendall 1948; Matérn, "Precision of area
-estimation", 1989, here in three dimensions). Faces along the lattice do not cancel: each lies anywhere within a voxel.
+estimation", 1989, here in three dimensions). Faces along the lattice do not cancel: each lies anywhere within a
+voxel.
 """
 
 from __future__ import annotations

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import gzip
+import io
 import math
+import os
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import IO, TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from volviz.io.dicom.finding import opened
 from volviz.io.dicom.tiles import Tiles, tiles_of
 from volviz.volume_data.description import Label
 
@@ -182,7 +186,11 @@ def read_frames(path: Path) -> tuple[Frame, ...]:
     if not _KEYWORDS:
         _WANTED.extend(Tag(name) for name in _TAGS)
         _KEYWORDS.update({int(Tag(name)): name for name in _TAGS if isinstance(name, str)})
-    with warnings.catch_warnings(), disable_value_validation(), path.open("rb") as stream:
+    try:
+        stream = opened(path)
+    except gzip.BadGzipFile:
+        return ()
+    with warnings.catch_warnings(), disable_value_validation(), stream:
         warnings.simplefilter("ignore")
         try:
             data = pydicom.dcmread(stream, stop_before_pixels=True, specific_tags=_WANTED, force=True)
@@ -193,7 +201,7 @@ def read_frames(path: Path) -> tuple[Frame, ...]:
             compressed = bool(syntax is not None and syntax.is_compressed)
             deflated = bool(syntax is not None and syntax.is_deflated)
             file = _file(path, header, compressed=compressed and not deflated)
-            if not compressed and not deflated:
+            if not compressed and not deflated and not isinstance(stream, io.BytesIO):
                 file = replace(file, plain=_plain_pixels(file, header, stream, data.original_encoding))
             frames = tuple(_frames(file, header))
         except OSError:
@@ -202,10 +210,17 @@ def read_frames(path: Path) -> tuple[Frame, ...]:
             return ()
         # pydicom stopped at the tag of the pixel data: 2 + 2 bytes of tag, then VR and length, or the length alone
         if not compressed and not deflated:
-            there = path.stat().st_size - stream.tell() - 8
+            there = _size(stream) - stream.tell() - 8
             if there < _bytes_of_pixels(file):
                 return tuple(replace(frame, file=replace(file, cut_off=True)) for frame in frames)
     return frames
+
+
+def _size(stream: IO[bytes]) -> int:
+    here = stream.tell()
+    size = stream.seek(0, os.SEEK_END)
+    stream.seek(here)
+    return size
 
 
 def _plain_pixels(

@@ -10,6 +10,7 @@ from volviz.io.hdf5.bigdataviewer import bigdataviewer_source, data_of, is_bigda
 from volviz.io.hdf5.finding import candidates
 from volviz.io.hdf5.imaris import imaris_source, is_imaris
 from volviz.io.hdf5.reading import StoredDataset, on_thread, opened, text
+from volviz.io.hdf5.vtkhdf import is_vtkhdf, vtkhdf_source
 from volviz.io.pyramid import StoredLevel, pyramid_source
 from volviz.io.reader import HEAD_BYTES, stem
 from volviz.volume_data.references import content_id
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".h5", ".hdf5", ".hdf", ".he5", ".h5j", ".nxs", ".nx", ".ims", ".ilp", ".xml")
+SUFFIXES = (".h5", ".hdf5", ".hdf", ".he5", ".h5j", ".nxs", ".nx", ".ims", ".ilp", ".vtkhdf", ".xml")
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _DESCRIPTION = b"<SpimData"
@@ -47,6 +48,8 @@ def open_source(request: LoadRequest) -> FileSource:
         with opened(request.path) as file:
             if is_imaris(file):
                 return imaris_source(request, file, SUFFIXES)
+            if is_vtkhdf(file):
+                return vtkhdf_source(request, file, SUFFIXES)
             if is_bigdataviewer(file):
                 beside = request.path.with_suffix(".xml")
                 xml = xml_of(beside) if beside.is_file() else None
