@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
@@ -21,6 +21,7 @@ from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings, parameters_of, setting_values
 from volviz.model.scene import LAYOUTS, Scene, SceneView
+from volviz.model.time_range import TimeRange
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 
@@ -62,6 +63,7 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
         "cursor": scene.cursor,
         "layout": scene.layout,
         "active_layer": scene.active_layer,
+        "time_range": scene.time_range,
     }
 
 
@@ -187,12 +189,19 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         layout=LAYOUTS[LAYOUTS.index(data["layout"])],
         # absent where the session was written before there were several layers to choose from
         active_layer=int(data.get("active_layer", 0)),
+        # likewise of time points
+        time_range=_time_range(data.get("time_range", "fixed")),
     )
 
 
 def _comparison(data: Mapping[str, Any]) -> Comparison:
     first, second = data["pair"]
     return Comparison(**{**data, "pair": (int(first), int(second))})
+
+
+def _time_range(value: Any) -> TimeRange:
+    choices: tuple[TimeRange, ...] = get_args(TimeRange)
+    return choices[choices.index(value)]
 
 
 def _layer(data: dict[str, Any], folder: Path | None) -> Layer:
