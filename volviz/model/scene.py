@@ -12,6 +12,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
+from volviz.model.movie import Movie
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.time_range import TimeRange
 from volviz.volume_data.vectors import Vector
@@ -84,6 +85,8 @@ class Scene:
         Number of the layer that panels act on, where it is an image layer (see `layer`).
     time_range : {"fixed", "widest", "each"}
         How colours follow the values from one time point to the next (`volviz.model.time_range`).
+    movie : Movie
+        What happens to it in time; without steps there is none.
     """
 
     layers: tuple[ImageLayer | LabelLayer, ...] = ()
@@ -97,6 +100,7 @@ class Scene:
     layout: Layout = "grid"
     active_layer: int = 0
     time_range: TimeRange = "fixed"
+    movie: Movie[Scene] = Movie()
 
     @property
     def layer(self) -> ImageLayer | None:

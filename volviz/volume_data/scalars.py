@@ -258,11 +258,11 @@ def reduction(shape: tuple[int, ...], kind: Format, max_edge: int, max_bytes: in
 def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> TextureData:
     low, high = volume.bulk_range
     span = high - low if high > low else 1.0
-    same = {"u1": np.uint8, "u2": np.uint16}.get(kind)
-    if factor == (1, 1, 1) and volume.array.dtype == same and low == volume.range[0]:
+    same = {"u1": "uint8", "u2": "uint16"}.get(kind, "")
+    if factor == (1, 1, 1) and volume.array.dtype.name == same and low == volume.range[0]:
         # the values themselves, counted from the lowest one
         texels = volume.array if low == 0 else volume.array - volume.array.dtype.type(low)
-        return TextureData(texels, np.iinfo(same).max / span, 0.0, factor)
+        return TextureData(texels, np.iinfo(volume.array.dtype).max / span, 0.0, factor)
     # what is not finite counts as the lowest value
     array, lowest, missing = volume.array, low, (volume.range[0] - low) / span
     if factor != (1, 1, 1):
