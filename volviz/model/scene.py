@@ -15,6 +15,7 @@ from volviz.model.light import Light
 from volviz.model.measurements import Measurement
 from volviz.model.movie import Movie
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
+from volviz.model.time_range import TimeRange
 from volviz.volume_data.vectors import Vector
 
 Color = tuple[float, float, float]
@@ -85,6 +86,8 @@ class Scene:
         Number of the layer that panels act on, where it is an image layer (see `layer`).
     measurements : tuple of Measurement
         What is measured and marked in the world.
+    time_range : {"fixed", "widest", "each"}
+        How colours follow the values from one time point to the next (`volviz.model.time_range`).
     movie : Movie
         What happens to it in time; without steps there is none.
     """
@@ -100,6 +103,7 @@ class Scene:
     layout: Layout = "grid"
     active_layer: int = 0
     measurements: tuple[Measurement, ...] = ()
+    time_range: TimeRange = "fixed"
     movie: Movie[Scene] = Movie()
 
     @property
