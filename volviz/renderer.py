@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.arguments import spec_of
-from volviz.custom_gl.framing import default_camera, layers_camera
 from volviz.custom_gl.offscreen import (
     MAX_SIZE,
     apply_camera,
@@ -377,13 +376,7 @@ class Renderer:
         self._check_open()
         checked_size(view.size)
         if view.camera is None:
-            shown = resolve(spec, volumes)
-            facing = shown.info.facing(shown.settings) if shown.info.facing else None
-            if facing is not None:
-                camera = default_camera(shown.volume, view.size, facing=facing)
-            else:
-                camera = layers_camera(shown.seen, view.size)
-            view = replace(view, camera=camera)
+            view = replace(view, camera=resolve(spec, volumes).framing_camera(view.size))
         return view
 
     def _limit(self) -> int:

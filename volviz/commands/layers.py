@@ -59,6 +59,8 @@ def layers_of_options(
     import volviz.io
     from volviz.model.layers import ImageLayer
 
+    if options.level is not None or options.box is not None:
+        raise InputError("--level and --box read a part of one volume, and go with a single layer.")
     chosen = [_channel(text) for text in options.channel]
     first = argparse.Namespace(**{**vars(options), "channel": None, "time": None})
     source = volviz.io.open(source_of(options), **hints_of(first))
@@ -110,6 +112,11 @@ def _file_layer(text: str, time: int) -> ImageLayer | LabelLayer:
     if look == LABELS or (not look and source.is_labels):
         return LabelLayer(source, time=time)
     return ImageLayer(source, named_look(look, source.read(time=time)) if look else None, time=time)
+
+
+def file_of(text: str) -> str:
+    """The file of a text such as "pet.nii.gz:hot"."""
+    return _split(text)[0]
 
 
 def _split(text: str) -> tuple[str, str]:

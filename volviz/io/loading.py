@@ -13,9 +13,9 @@ import numpy as np
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
 from volviz.io.packed_files import GZIP, is_packed, is_zip, open_unpacked, open_zip, unpacked_head
-from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
+from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, LoadOptions, LoadRequest
 from volviz.io.table import READERS
-from volviz.volume_data.references import is_address
+from volviz.volume_data.references import SAMPLE_PREFIX, is_address
 from volviz.volume_data.source import checked_box, checked_number
 
 if TYPE_CHECKING:

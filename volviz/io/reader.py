@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from volviz.errors import Cancelled, InputError, LoadError
+from volviz.volume_data.references import SAMPLE_PREFIX
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from volviz.volume_data.description import Box
     from volviz.volume_data.source import Cancel, Progress
 
-
-SAMPLE_PREFIX = "sample:"
 
 Result_co = TypeVar("Result_co", covariant=True)
 

@@ -13,7 +13,7 @@ from volviz.custom_gl.scene_techniques import current_settings, current_techniqu
 from volviz.custom_gl.technique import unused_regions
 from volviz.kernels.warm_up import warm_up
 from volviz.model.store import Store
-from volviz.volume_data.references import is_address
+from volviz.volume_data.references import SAMPLE_PREFIX, is_address
 from volviz.volume_data.volume import Volume
 from volviz_ui.app.empty_picture import EmptyPicture
 from volviz_ui.app.messages import WindowMessages
@@ -44,7 +44,7 @@ from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene, volume_of
 from volviz_ui.session.memory import return_freed_memory
 from volviz_ui.session.mesh_summary import ShownMesh
-from volviz_ui.session.opening import SAMPLE_PREFIX, Opened
+from volviz_ui.session.opening import Opened
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.session.time_player import Repeat, TimePlayer
 from volviz_ui.session.workers import Gate, Workers

@@ -18,13 +18,13 @@ from volviz.model.looks.look import Look
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.label_indices import label_indices_of
-from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
+from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, VolumeRef, content_id
 from volviz.volume_data.scalars import bricks_of
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
+from volviz_ui.session.file_parts import shown_part, whole_of
 from volviz_ui.session.workers import Task
 
-SAMPLE_PREFIX = "sample:"
 #: Channels that may be shown together.
 MOST_CHANNELS = 8
 
@@ -131,16 +131,18 @@ def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
     import volviz.io
 
     return volviz.io.open(
-        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints)
+        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(whole_of(ref).hints)
     )
 
 
 def read_volume(source: VolumeSource, key: VolumeKey, task: Task) -> Volume:
     """The values that a key names."""
+    level, box = shown_part(source, key.ref)
     return source.read(
-        source.default_level,
+        level,
         time=key.time,
         channel=key.channel,
+        box=box,
         cancel=lambda: task.is_cancelled,
         progress=task.report,
     )

@@ -49,6 +49,18 @@ class Preferences:
     def quality(self, value: str) -> None:
         self._settings.setValue("quality", value)
 
+    def budget(self, what: str) -> int | None:
+        """Bytes of "memory" or "texture" that a volume may take; None leaves it to the program."""
+        try:
+            count = int(str(self._settings.value(f"budgets/{what}", 0)))
+        except ValueError:
+            return None
+        return count if count > 0 else None
+
+    def set_budget(self, what: str, count: int | None) -> None:
+        """Remember it."""
+        self._settings.setValue(f"budgets/{what}", count or 0)
+
     @property
     def repeat(self) -> Repeat:
         """What follows the last time point."""

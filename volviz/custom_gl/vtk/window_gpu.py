@@ -260,7 +260,7 @@ class VolumeTextures:
         blocks = " x ".join(str(n) for n in self._held.full_factor)
         return (
             f"This volume is larger than the graphics memory or its largest texture allows: blocks of {blocks} "
-            "voxels (x, y, z) are drawn as one; crop the file or raise VOLVIZ_TEXTURE_MB to see all of it."
+            "voxels (x, y, z) are drawn as one; crop the file or raise the budget of textures to see all of it."
         )
 
     def close(self) -> None:
