@@ -14,6 +14,7 @@ from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.movie import Movie
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
+from volviz.model.time_range import TimeRange
 from volviz.volume_data.vectors import Vector
 
 Color = tuple[float, float, float]
@@ -82,6 +83,8 @@ class Scene:
         Views of equal size, or the first one large beside the others.
     active_layer : int
         Number of the layer that panels act on, where it is an image layer (see `layer`).
+    time_range : {"fixed", "widest", "each"}
+        How colours follow the values from one time point to the next (`volviz.model.time_range`).
     movie : Movie
         What happens to it in time; without steps there is none.
     """
@@ -96,6 +99,7 @@ class Scene:
     cursor: Vector | None = None
     layout: Layout = "grid"
     active_layer: int = 0
+    time_range: TimeRange = "fixed"
     movie: Movie[Scene] = Movie()
 
     @property
