@@ -136,7 +136,7 @@ class Evidence:
     @property
     def is_flat(self) -> bool:
         """Whether there are so few slices that shapes can hardly be seen."""
-        return min(self.volume.array.shape) <= FEW_SLICES < max(self.volume.array.shape) / 4
+        return min(self.volume.dimensions) <= FEW_SLICES < max(self.volume.dimensions) / 4
 
     def along_rays(self) -> tuple[Floats, Floats]:
         """Mean and largest value along each foreseen ray that meets the box, shape (n,)."""
