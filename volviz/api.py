@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from volviz.model.render_spec import DEFAULT_TECHNIQUE
-
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.transfer.presets import Preset
@@ -41,7 +39,7 @@ def presets() -> dict[str, Preset]:
 
 
 def show(
-    volume: Volume, technique: str = DEFAULT_TECHNIQUE, *, transfer_function: Any = None, **settings: Any
+    volume: Volume, technique: str | None = None, *, transfer_function: Any = None, **settings: Any
 ) -> Any:
     """Show a volume: as a PyVista scene in a notebook, in a window elsewhere.
 
@@ -49,12 +47,12 @@ def show(
     ----------
     volume : Volume
         What to show.
-    technique : str
+    technique : str, optional
         Id of the technique.
     transfer_function : TransferFunction, optional
         The default is made from the histogram.
     **settings
-        Settings of the technique, light, crop and clip planes.
+        Settings of the technique, light, crop, clip planes and look, as for `volviz.add_volume`.
 
     Returns
     -------

@@ -35,11 +35,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     parser = make_parser()
+    from volviz.commands.inputs import budgets_of
+
     try:
         if not arguments or (arguments[0] not in _COMMANDS and not arguments[0].startswith("-")):
             return _open_window(arguments)
         options = parser.parse_args(arguments)
-        return int(options.run(options))
+        with budgets_of(options):
+            return int(options.run(options))
     except VolvizError as error:
         _say(str(error))
         return USER_ERROR
@@ -54,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import bench, compare, convert, images, inspect, meshes
+    from volviz.commands import bench, compare, convert, images, inspect, meshes, movies
 
     parser = argparse.ArgumentParser(
         prog="volviz",
@@ -64,14 +67,14 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (images, convert, compare, bench, meshes, inspect):
+    for module in (images, movies, convert, compare, bench, meshes, inspect):
         module.add_commands(commands)
     return parser
 
 
 _COMMANDS = (
-    "render", "convert", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques",
-    "presets", "doctor",
+    "render", "movie", "convert", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques",
+    "presets", "looks", "doctor",
 )  # fmt: skip
 
 
@@ -86,7 +89,7 @@ def _window_parser() -> argparse.ArgumentParser:
 
 
 def _open_window(arguments: Sequence[str]) -> int:
-    from volviz.commands.inputs import hints_of
+    from volviz.commands.inputs import budgets_of, hints_of
     from volviz.environment import display_answers
 
     options = _window_parser().parse_args(arguments)
@@ -109,7 +112,8 @@ def _open_window(arguments: Sequence[str]) -> int:
     # the one place where the library imports the desktop program
     from volviz_ui.app.start import main as start
 
-    return int(start(source, **hints_of(options)))
+    with budgets_of(options):
+        return int(start(source, **hints_of(options)))
 
 
 def _say(sentence: str) -> None:

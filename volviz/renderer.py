@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.arguments import spec_of
-from volviz.custom_gl.framing import default_camera, layers_camera
 from volviz.custom_gl.offscreen import (
     MAX_SIZE,
     apply_camera,
@@ -32,7 +31,8 @@ from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
-from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec, View
+from volviz.model.looks.look import Look
+from volviz.model.render_spec import RenderSpec, View
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.source import VolumeSource
@@ -54,7 +54,7 @@ TURN_SECONDS = 0.03
 
 def render(
     volume: Drawable,
-    technique: str = DEFAULT_TECHNIQUE,
+    technique: str | None = None,
     *,
     transfer_function: TransferFunction | None = None,
     size: tuple[int, int] = (800, 600),
@@ -65,6 +65,7 @@ def render(
     light: Light | None = None,
     clipping: Clipping | None = None,
     classic: bool = False,
+    look: Look | str | None = None,
     **values: Any,
 ) -> npt.NDArray[Any]:
     """An image of a volume, drawn off-screen at full quality; many of them come faster from a `Renderer`.
@@ -73,7 +74,7 @@ def render(
     ----------
     size : tuple of 2 ints, default: (800, 600)
         Width and height in pixels, 1..16384.
-    volume, technique, transfer_function, camera, background, dtype, settings, light, clipping, classic, **values
+    volume, technique, transfer_function, camera, background, dtype, settings, light, clipping, classic, look, **values
         As for `Renderer.render`.
 
     Returns
@@ -89,7 +90,7 @@ def render(
     with Renderer(size) as renderer:
         return renderer.render(
             volume, technique, transfer_function=transfer_function, camera=camera, background=background,
-            dtype=dtype, settings=settings, light=light, clipping=clipping, classic=classic, **values,
+            dtype=dtype, settings=settings, light=light, clipping=clipping, classic=classic, look=look, **values,
         )  # fmt: skip
 
 
@@ -142,7 +143,7 @@ class Renderer:
     def render(
         self,
         volume: Drawable,
-        technique: str = DEFAULT_TECHNIQUE,
+        technique: str | None = None,
         *,
         transfer_function: TransferFunction | None = None,
         camera: Camera | Sequence[Any] | None = None,
@@ -153,6 +154,7 @@ class Renderer:
         clipping: Clipping | None = None,
         classic: bool = False,
         surface_colors: SurfaceColors | None = None,
+        look: Look | str | None = None,
         progress: Callable[[float], None] | None = None,
         cancel: Callable[[], bool] | None = None,
         **values: Any,
@@ -163,8 +165,8 @@ class Renderer:
         ----------
         volume : Volume, VolumeSource, ImageLayer or sequence of layers
             What to show. Several visible layers are drawn in one ray integral, by techniques that can.
-        technique : str, default: "raycast"
-            Id of a technique (`volviz.techniques`).
+        technique : str, optional
+            Id of a technique (`volviz.techniques`); the default is that of the look, without one "raycast".
         transfer_function : TransferFunction, optional
             Of a volume; the default is made from its histogram.
         camera : Camera or triple, optional
@@ -174,7 +176,7 @@ class Renderer:
             Three floats 0..1 or a colour name makes the image opaque; None gives straight alpha.
         dtype : {"uint8", "float32"}
             Values 0..255, or 0..1 without rounding.
-        settings, light, clipping, classic, **values
+        settings, light, clipping, classic, look, **values
             As for `volviz.add_volume`.
         surface_colors : SurfaceColors, optional
             Values that the surface is coloured by, for techniques that draw triangles.
@@ -196,7 +198,7 @@ class Renderer:
         )
         spec = spec_of(
             volume, technique, transfer_function=transfer_function, settings=settings, light=light,
-            clipping=clipping, classic=classic, surface_colors=surface_colors, **values,
+            clipping=clipping, classic=classic, surface_colors=surface_colors, look=look, **values,
         )  # fmt: skip
         return self.draw(spec, view, dtype=dtype, progress=progress, cancel=cancel)
 
@@ -374,13 +376,7 @@ class Renderer:
         self._check_open()
         checked_size(view.size)
         if view.camera is None:
-            shown = resolve(spec, volumes)
-            facing = shown.info.facing(shown.settings) if shown.info.facing else None
-            if facing is not None:
-                camera = default_camera(shown.volume, view.size, facing=facing)
-            else:
-                camera = layers_camera(shown.seen, view.size)
-            view = replace(view, camera=camera)
+            view = replace(view, camera=resolve(spec, volumes).framing_camera(view.size))
         return view
 
     def _limit(self) -> int:

@@ -99,8 +99,11 @@ def mgh(folder: Path) -> Path:
     return folder / "v.mgz"
 
 
-#: Pairs of files, and values that are scaled slice by slice.
-TESTED_ELSEWHERE = ("MINC", "AFNI", "PAR/REC", "Interfile")
+#: Pairs of files, values that are scaled slice by slice, and bytes alone; by the file that tests them.
+TESTED_ELSEWHERE = {
+    **dict.fromkeys(("MINC", "AFNI", "PAR/REC", "Interfile"), "test_neuroimaging.py"),
+    "SLC": "test_slc.py",
+}
 
 
 def hdf5(folder: Path) -> Path:
@@ -144,7 +147,7 @@ by_reader = pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader
 @pytest.fixture
 def file(reader, tmp_path) -> Path:
     if reader.name in TESTED_ELSEWHERE:
-        pytest.skip("tests/unit/io/test_neuroimaging.py looks at pairs of files and scaled slices")
+        pytest.skip(f"tests/unit/io/{TESTED_ELSEWHERE[reader.name]} looks at what this format cannot hold")
     assert reader.name in WRITERS, f"say in WRITERS how a {reader.name} file is made"
     return WRITERS[reader.name](tmp_path)
 

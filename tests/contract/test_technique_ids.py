@@ -25,6 +25,7 @@ OTHER_MEANINGS = {
     "volviz/custom_gl/vtk_props/volume_props.py": {"isosurface"},  # a blend mode of VTK's mapper
     "volviz/kernels/marching/__init__.py": {"marching_cubes"},
     "volviz/kernels/marching/extract.py": {"marching_cubes", "marching_tetrahedra"},  # names of methods
+    "volviz/model/looks/look.py": {"raycast", "isosurface"},  # looks are drawn by one of these
     "volviz/model/render_spec.py": {DEFAULT_TECHNIQUE},  # what draws unless a technique is named
 }
 

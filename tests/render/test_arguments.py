@@ -73,3 +73,33 @@ def test_a_closed_plotter_is_told_in_words() -> None:
         handle.read_image()
     with pytest.raises(InputError, match="plotter is closed"):
         volviz.add_volume(plotter, VOLUME)
+
+
+def test_a_look_brings_technique_function_and_a_light_beside_the_eye() -> None:
+    axis = np.linspace(-1.0, 1.0, 24)
+    distance = np.sqrt(axis[:, None, None] ** 2 + axis[:, None] ** 2 + axis**2)
+    ball = volviz.Volume((0.7 - distance).astype(np.float32))
+    (first, *_) = volviz.looks(ball).values()
+    by_name, by_look = (volviz.render(ball, look=look, size=(48, 48)) for look in ("best", first))
+    by_hand = volviz.render(
+        ball, first.technique, transfer_function=first.transfer_function, light=volviz.Light(headlight=False),
+        size=(48, 48), **first.settings,
+    )  # fmt: skip
+    assert np.array_equal(by_name, by_hand)
+    assert np.array_equal(by_look, by_hand)
+    left, right = by_hand[24, 14, :3].mean(), by_hand[24, 34, :3].mean()
+    assert left > 1.2 * right > 0
+    red = volviz.render(ball, look="best", colors=((1.0, 0.0, 0.0),), specular=0.0, size=(48, 48))
+    assert red[24, 24, 0] > 50 > red[24, 24, 1]
+
+
+def test_a_look_is_refused_where_it_cannot_be() -> None:
+    layers = [volviz.ImageLayer(VOLUME), volviz.ImageLayer(VOLUME)]
+    for values, words in (
+        ({"volume": VOLUME, "technique": "slicing", "look": "best"}, "a look brings technique and settings"),
+        ({"volume": layers, "look": "best"}, "a look is made for one volume"),
+        ({"volume": VOLUME, "look": "vein"}, "no look 'vein'"),
+        ({"volume": VOLUME, "look": 3}, "look must be a name or one of volviz.looks, got int"),
+    ):
+        with pytest.raises(InputError, match=words):
+            volviz.render(**values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from typing import Any
 
@@ -244,9 +243,7 @@ def test_a_palette_knows_its_labels() -> None:
     np.testing.assert_allclose(palette[4, :3], label_colors(np.array([200]))[0], atol=1e-6)
 
 
-def test_the_palette_of_a_hundred_thousand_labels_is_made_at_once() -> None:
+def test_the_palette_of_a_hundred_thousand_labels_is_timed(benchmark) -> None:
     numbers = np.concatenate([[0], np.arange(1, 100_001) * 3])
-    begin = time.process_time()
-    palette = LabelLook(hidden=tuple(range(3, 90_000, 3))).palette(numbers)
-    assert time.process_time() - begin < 0.5
+    palette = benchmark(lambda: LabelLook(hidden=tuple(range(3, 90_000, 3))).palette(numbers))
     assert np.count_nonzero(palette[:, 3]) == 100_000 - 29_999

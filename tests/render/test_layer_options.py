@@ -63,6 +63,17 @@ def test_files_of_labels_become_surfaces(files: Path) -> None:
     np.testing.assert_array_equal(seen, expected(ImageLayer(other), volviz.LabelLayer(labels)))
 
 
+def test_layers_that_move_are_drawn_at_one_time_point(files: Path) -> None:
+    moving = np.stack([blobs((9, 10, 11), seed=n) for n in range(3)])
+    np.save("moving.npy", moving)
+    np.save("also.npy", moving[::-1])
+    seen = drawn("moving.npy", "--time", "2", "--layer", "also.npy", "--layer", "other.npy:hot")
+    other = volviz.load("other.npy")
+    layers = [ImageLayer(volviz.load(name, time=2)) for name in ("moving.npy", "also.npy")]
+    np.testing.assert_array_equal(seen, expected(*layers, ImageLayer(other, named_look("hot", other))))
+    assert main(["render", "moving.npy", "--time", "3", "--layer", "other.npy", "-o", "out.npy"]) == 2
+
+
 def test_one_channel_without_a_look_is_the_volume_that_is_read(files: Path) -> None:
     one = drawn("cells.tif", "--channel", "1")
     of = volviz.load("cells.tif", channel=1)

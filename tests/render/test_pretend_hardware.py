@@ -104,7 +104,7 @@ def test_full_data_are_read_while_something_moves(monkeypatch: pytest.MonkeyPatc
         handle.raise_error()
         frame = SimpleNamespace(
             interactive=True, gpu=handle.gpu, common=SimpleNamespace(mipmaps=False, interpolation="linear"),
-            volume=of, resources=SimpleNamespace(coarsest=3), joint=None,
+            volume=of, resources=SimpleNamespace(finest=0, coarsest=3), joint=None,
         )  # fmt: skip
         monkeypatch.setattr(frame_uniforms, "pixel_size", lambda _frame: 4.0)
         assert frame_uniforms.level_of_detail(frame) == 0

@@ -18,10 +18,13 @@ from tests.leaks import Watch
 from tests.screens import NO_DISPLAY, window_can_open
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.vtk.handle import VolumeHandle
+from volviz.model.looks.look import Look
 from volviz.model.scene import Scene
+from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.volume import Volume
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.panels.form_cache import FormCache
+from volviz_ui.session import opening
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.style.theme import Theme
 from volviz_ui.views.annotations import background_image
@@ -48,6 +51,18 @@ def only_the_first_image(request: pytest.FixtureRequest, monkeypatch: pytest.Mon
     """The full image is the last one, except where what follows it at rest is looked at (``accumulates``)."""
     if request.node.get_closest_marker("accumulates") is None:
         monkeypatch.setattr(VolumeHandle, "accumulates", False)
+
+
+@pytest.fixture(autouse=True)
+def files_open_plainly(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files are ray cast with their automatic function, except where their looks are looked at (``looks``)."""
+    if request.node.get_closest_marker("looks") is None:
+        monkeypatch.setattr(opening, "best_look", plain_look)
+
+
+def plain_look(volume: Volume) -> Look:
+    """What `volviz.render` draws without a word."""
+    return Look("plain", "Plain", "Ray cast, unlit.", TransferFunction.auto(volume))
 
 
 @pytest.fixture(autouse=True)
@@ -134,6 +149,7 @@ def window_of_the_file(
     with pytest.MonkeyPatch.context() as patch, made_window(qapp, theme, preferences) as window:
         patch.setattr(VolumeHandle, "accumulates", False)
         patch.setattr(FormCache, "builds_ahead", False)
+        patch.setattr(opening, "best_look", plain_look)
         window.open(str(save_ball(folder / "ball.npy", 200)))
         run_until(lambda: window.documents.volume is not None)
         run_until(lambda: is_complete(window))

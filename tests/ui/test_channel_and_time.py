@@ -48,11 +48,12 @@ def test_channel_and_time_are_chosen_read_and_undone(
 ) -> None:
     window.open(str(embryo))
     wait_for(lambda: window.documents.volume.name == "embryo")
-    part = window.data_panel.part
+    part, bar = window.data_panel.part, window.time_bar
     assert part.isVisibleTo(window.data_panel)
+    assert bar.isVisibleTo(window)
     assert [part.channel.itemText(n) for n in range(part.channel.count())] == ["DAPI (0)", "GFP (1)"]
     assert part.channel.currentIndex() == 0
-    assert (part.time.maximum(), part.seconds.text()) == (2, "0 s")
+    assert (bar.slider.maximum(), bar.seconds.text()) == (2, "0.0 s")
     # with a chooser beside it, nobody need be told that there is more
     assert "first of" not in window.data_panel.notes.text()
     function = window.store.scene.layer.transfer_function
@@ -63,9 +64,10 @@ def test_channel_and_time_are_chosen_read_and_undone(
     # the old picture stays until the values are there
     assert window.documents.shown is shown
     wait_for(lambda: value(window) == 1)
-    part.time_field.setValue(2)
-    wait_for(lambda: value(window) == 21)
-    assert part.seconds.text() == "5 s"
+    bar.number.setValue(2)
+    wait_for(lambda: window.player.seen == 2)
+    assert value(window) == 21
+    assert bar.seconds.text() == "5.0 s"
     assert window.store.scene.layer.transfer_function == function
 
     script = script_of(window.store.scene, (64, 48))
@@ -74,7 +76,8 @@ def test_channel_and_time_are_chosen_read_and_undone(
 
     window.documents.undo()
     wait_for(lambda: value(window) == 1)
-    assert part.time.value() == 0
+    wait_for(lambda: window.player.seen == 0)
+    assert bar.slider.value() == 0
     window.documents.undo()
     wait_for(lambda: value(window) == 0)
     assert part.channel.currentIndex() == 0
@@ -82,6 +85,8 @@ def test_channel_and_time_are_chosen_read_and_undone(
 
 def test_a_file_of_one_channel_has_nothing_to_choose(window: MainWindow) -> None:
     assert not window.data_panel.part.isVisibleTo(window.data_panel)
+    assert not window.time_bar.isVisibleTo(window)
+    assert not window.commands["time.play"].isEnabled()
 
 
 def test_a_channel_that_is_asked_for_by_name_is_opened(
@@ -115,10 +120,10 @@ def test_a_time_point_that_cannot_be_read_leaves_the_old_one(
         raise volviz.VolvizError("the disk is gone.")
 
     monkeypatch.setattr(source, "read_volume", broken)
-    failures: list[object] = []
-    window.documents.failed.connect(lambda _what, error: failures.append(error))
-    window.data_panel.part.time_field.setValue(1)
-    wait_for(lambda: bool(failures))
-    wait_for(lambda: window.store.scene.layer.time == 0)
+    failures: list[str] = []
+    monkeypatch.setattr(window.messages, "show_error", lambda title, _error: failures.append(title))
+    window.time_bar.number.setValue(1)
+    wait_for(lambda: failures == ["Time point 1 was not read"])
+    assert window.store.scene.layer.time == 0
     assert value(window) == 0
-    assert window.data_panel.part.time.value() == 0
+    assert window.time_bar.number.value() == 0

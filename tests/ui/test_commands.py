@@ -21,6 +21,7 @@ from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog
 from tests.ui.conftest import drawn_image, foreground, image, is_complete
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
 from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
+from volviz.volume_data.budgets import budgets
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.commands.shortcuts import ShortcutsDialog
 from volviz_ui.dialogs.export_image import ExportImageDialog
@@ -282,6 +283,16 @@ def test_the_theme_can_be_switched_and_icons_follow(window: MainWindow, theme: T
     assert window.commands["file.open"].icon().cacheKey() != icon
     assert window.preferences.theme == "light"
     dialog.theme.setCurrentIndex(dialog.theme.findData("dark"))
+    dialog.reject()
+
+
+def test_the_memory_of_a_volume_is_limited_and_remembered(window: MainWindow) -> None:
+    dialog = window.edit_commands.show_preferences()
+    memory = dialog.budgets["memory"]
+    memory.setCurrentIndex(memory.findData(2 << 30))
+    assert (window.preferences.budget("memory"), budgets().memory) == (2 << 30, 2 << 30)
+    memory.setCurrentIndex(0)
+    assert (window.preferences.budget("memory"), budgets().memory) == (None, None)
     dialog.reject()
 
 

@@ -11,6 +11,7 @@ from volviz.model.store import Store
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.mesh_summary import ShownMesh
 from volviz_ui.session.preferences import Preferences
+from volviz_ui.session.time_player import TimePlayer
 from volviz_ui.session.workers import Workers
 from volviz_ui.style.theme import Theme
 from volviz_ui.views.view_grid import ViewGrid
@@ -35,7 +36,7 @@ class AppContext:
     ----------
     window : QMainWindow
         Parent of dialogs. Whoever wants something of it asks one of the others.
-    store, documents, workers, preferences, theme
+    store, documents, workers, player, preferences, theme
         One of each in the program.
     views : ViewGrid
         The middle of the window.
@@ -51,6 +52,7 @@ class AppContext:
     store: Store
     documents: Documents
     workers: Workers
+    player: TimePlayer
     preferences: Preferences
     theme: Theme
     views: ViewGrid

@@ -17,7 +17,7 @@ def add_commands(commands: Any) -> None:
         description="Writes all of FILE, or a part of it, to OUTPUT, whose ending chooses the format: .nrrd, .nii, "
         ".nii.gz, .mha, .vti, .tif (ImageJ), .ome.tif, .ome.zarr or .npy. What the format cannot say is told.",
     )  # fmt: skip
-    add_input(parser)
+    add_input(parser, part=False)
     parser.add_argument("output", metavar="OUTPUT", help="what is written")
     parser.add_argument(
         "--level", type=int, default=0, metavar="N", help="level of resolution, 0 is the finest"

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from volviz.commands.inputs import add_input, load_input
@@ -45,10 +46,22 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
                         " a folder with --all-techniques")  # fmt: skip
     parser.add_argument(
+        "--all-techniques", action="store_true", help="draw with every technique into a folder"
+    )
+    add_look_options(parser)
+    add_plane_options(parser)
+    parser.set_defaults(run=run)
+
+
+def add_look_options(parser: argparse.ArgumentParser) -> None:
+    """What is drawn, from where and how large: for all that draws."""
+    parser.add_argument(
         "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
     )
     parser.add_argument(
-        "--all-techniques", action="store_true", help="draw with every technique into a folder"
+        "--look",
+        metavar="NAME",
+        help='technique, function and light that suit the data: "best", or one that volviz looks FILE lists',
     )
     parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
     parser.add_argument(
@@ -67,8 +80,6 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
                         help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
     parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
-    add_plane_options(parser)
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -77,6 +88,9 @@ def run(options: argparse.Namespace) -> int:
 
     size = parse_size(options.size)
     output = Path(options.output).expanduser()
+    if options.look is not None:
+        draw_look(options, size, output)
+        return 0
     if asks_for_layers(options):
         draw_layers(options, size, output)
         return 0
@@ -86,7 +100,7 @@ def run(options: argparse.Namespace) -> int:
         info = technique(chosen or DEFAULT_TECHNIQUE)
         values = parse_values(info, options.values)
         check_output(output)
-        volume = load_input(options)
+        volume = _loaded(options)
         if asks_for_slice(options):
             values |= plane_values(options, volume, info)
         draw([image_layer(options, volume)], info, values, size, options, output)
@@ -95,7 +109,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             "--all-techniques draws with every technique; leave out -t, --plane, --at and --slab."
         )
-    volume = load_input(options)
+    volume = _loaded(options)
     layer = image_layer(options, volume)
     try:
         output.mkdir(parents=True, exist_ok=True)
@@ -108,6 +122,45 @@ def run(options: argparse.Namespace) -> int:
             values = parse_values(info, options.values, lenient=True)
             draw([layer], info, values, size, options, output / f"{info.id}.png")
     return 0
+
+
+def _loaded(options: argparse.Namespace) -> Volume:
+    """The volume, and what there is to say of it: which level was chosen, say."""
+    volume = load_input(options)
+    for note in volume.metadata.get("notes", ()):
+        print(f"note: {note}")
+    return volume
+
+
+def draw_look(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
+    """Draw a volume as one of its looks shows it."""
+    check_look(options, {"--all-techniques": options.all_techniques, "--plane": asks_for_slice(options)})
+    single_channel(options)
+    check_output(output)
+    volume = _loaded(options)
+    info, values = look_values(options, volume)
+    draw([image_layer(options, volume)], info, values, size, options, output)
+
+
+def check_look(options: argparse.Namespace, given: Mapping[str, Any] = MappingProxyType({})) -> None:
+    """Refuse what does not go with ``--look``: other ways to say what a look says, and those given by name."""
+    given = {
+        "-t": options.technique, "--classic": options.classic,
+        "--layer or --channel with a look": asks_for_layers(options), **given,
+    }  # fmt: skip
+    for name, value in given.items():
+        if value:
+            raise InputError(f"--look brings technique and settings; leave out {name}, or --look.")
+
+
+def look_values(options: argparse.Namespace, volume: Volume) -> tuple[TechniqueInfo, dict[str, Any]]:
+    """Technique and keywords of the look that the options name, with the settings that they give."""
+    from volviz.custom_gl.registry import technique
+    from volviz.model.looks.choice import look_named
+
+    look = look_named(volume, options.look)
+    info = technique(look.technique)
+    return info, {"look": look, **parse_values(info, options.values)}
 
 
 def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
@@ -138,7 +191,7 @@ def draw(
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
-    spec = spec_of(layers, info.id, classic=options.classic, **values)
+    spec = spec_of(layers, None if "look" in values else info.id, classic=options.classic, **values)
     transparent = options.background.lower() == "none" and output.suffix.lower() not in OPAQUE_SUFFIXES
     background = "black" if options.background.lower() == "none" else options.background
     camera = turned_camera(spec, size, options)
@@ -146,22 +199,19 @@ def draw(
     with Renderer(size) as renderer:
         view = View(camera, size, None if transparent else background_color(background))
         image = renderer.draw(spec, view, dtype="float32" if output.suffix.lower() == ".npy" else "uint8")
+        notice = renderer.notice
     seconds = time.perf_counter() - begin
     save_image(image, output)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
+    if notice:
+        print(f"note: {notice}")
 
 
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:
     """The camera that the options ask for, around what is visible."""
-    from volviz.custom_gl.framing import default_camera, layers_camera
     from volviz.custom_gl.resolve import resolve
 
-    shown = resolve(spec)
-    facing = shown.info.facing(shown.settings) if shown.info.facing is not None else None
-    if facing is not None:
-        camera = default_camera(shown.volume, size, options.azimuth, options.elevation, facing=facing)
-    else:
-        camera = layers_camera(shown.seen, size, options.azimuth, options.elevation)
+    camera = resolve(spec).framing_camera(size, options.azimuth, options.elevation)
     return replace(
         camera,
         view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),

@@ -1,4 +1,4 @@
-"""Commands that look things up: ``info``, ``samples``, ``techniques``, ``presets``, ``doctor``."""
+"""Commands that look things up: ``info``, ``samples``, ``techniques``, ``presets``, ``looks``, ``doctor``."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import Any
 
-from volviz.commands.inputs import add_input, hints_of, source_of
+from volviz.commands.inputs import add_input, hints_of, load_input, source_of
 
 
 def add_commands(commands: Any) -> None:
@@ -35,6 +35,14 @@ def add_commands(commands: Any) -> None:
     presets = commands.add_parser("presets", help="list the transfer-function presets")
     presets.add_argument("--json", action="store_true", help="as JSON")
     presets.set_defaults(run=run_presets)
+
+    looks = commands.add_parser(
+        "looks",
+        help="list the ways of showing a file that suit it",
+        description="Reads a file and lists the looks that suit its values, the best one first.",
+    )
+    add_input(looks)
+    looks.set_defaults(run=run_looks)
 
     doctor = commands.add_parser("doctor", help="what this machine has, what is missing and how to get it")
     doctor.set_defaults(run=run_doctor)
@@ -141,6 +149,17 @@ def run_presets(options: argparse.Namespace) -> int:
     width = max(len(ident) for ident in presets())
     for preset in presets().values():
         _say(f"{preset.id:<{width}}  {preset.label}: {preset.description}")
+    return 0
+
+
+def run_looks(options: argparse.Namespace) -> int:
+    """List the looks of a file."""
+    from volviz.model.looks.choice import looks
+
+    found = looks(load_input(options))
+    width = max(len(ident) for ident in found)
+    for look in found.values():
+        _say(f"{look.id:<{width}}  {look.label}: {look.description} [{look.technique}]")
     return 0
 
 

@@ -59,6 +59,8 @@ def layers_of_options(
     import volviz.io
     from volviz.model.layers import ImageLayer
 
+    if options.level is not None or options.box is not None:
+        raise InputError("--level and --box read a part of one volume, and go with a single layer.")
     chosen = [_channel(text) for text in options.channel]
     first = argparse.Namespace(**{**vars(options), "channel": None, "time": None})
     source = volviz.io.open(source_of(options), **hints_of(first))
@@ -67,7 +69,7 @@ def layers_of_options(
         found = [_channel_layer(source, number, look, time) for number, look in chosen]
     else:
         found = [ImageLayer(source, function(options, source.read(time=time)), time=time)]
-    return (*found, *(_file_layer(text) for text in options.layers))
+    return (*found, *(_file_layer(text, time) for text in options.layers))
 
 
 def _channel(text: str) -> tuple[int | str, str]:
@@ -95,17 +97,26 @@ def _channel_layer(source: VolumeSource, channel: int | str, look: str, time: in
     return ImageLayer(source, function, known.name, channel=number, time=time)
 
 
-def _file_layer(text: str) -> ImageLayer | LabelLayer:
-    """A layer of "pet.nii.gz:hot" or "seg.nii.gz:labels"; the name of a file may have colons of its own."""
+def _file_layer(text: str, time: int) -> ImageLayer | LabelLayer:
+    """A layer of "pet.nii.gz:hot" or "seg.nii.gz:labels"; the name of a file may have colons of its own.
+
+    One that stands still is shown at every time point.
+    """
     import volviz.io
     from volviz.model.layer_looks import named_look
     from volviz.model.layers import ImageLayer, LabelLayer
 
     path, look = _split(text)
     source = volviz.io.open(path)
+    time = time if source.sizes.get("t", 1) > 1 else 0
     if look == LABELS or (not look and source.is_labels):
-        return LabelLayer(source)
-    return ImageLayer(source, named_look(look, source.read()) if look else None)
+        return LabelLayer(source, time=time)
+    return ImageLayer(source, named_look(look, source.read(time=time)) if look else None, time=time)
+
+
+def file_of(text: str) -> str:
+    """The file of a text such as "pet.nii.gz:hot"."""
+    return _split(text)[0]
 
 
 def _split(text: str) -> tuple[str, str]:

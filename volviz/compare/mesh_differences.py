@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from volviz.kernels.marching.cube import boundary_loops
 
@@ -125,6 +124,9 @@ def match_vertices(
         distance = 0.0 if len(positions) == len(others) else np.inf
         match = VertexMatch(len(positions), len(others), len(positions), len(others), distance, tolerance)
         return match, np.full(len(others), -1, np.int64)
+    # imported where it is needed: a start of the program does not wait for SciPy
+    from scipy.spatial import cKDTree
+
     to_ours, partner = cKDTree(positions).query(others)
     to_theirs, _ = cKDTree(others).query(positions)
     match = VertexMatch(

@@ -12,8 +12,10 @@ from volviz.custom_gl.settings import SharedSettings
 from volviz.custom_gl.technique import surface_settings
 from volviz.errors import InputError
 from volviz.model.clipping import Clipping
-from volviz.model.layers import ImageLayer, LabelLayer
+from volviz.model.layers import ImageLayer, LabelLayer, volume_of
 from volviz.model.light import Light
+from volviz.model.looks.choice import look_named
+from volviz.model.looks.look import Look
 from volviz.model.parameters import make_settings, parameters_of, setting_values
 from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
 from volviz.model.surface_values import DistanceColoring, SurfaceColors
@@ -26,7 +28,7 @@ Layers = tuple[ImageLayer | LabelLayer, ...]
 
 def spec_of(
     shown: Volume | VolumeSource | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
-    technique: str = DEFAULT_TECHNIQUE,
+    technique: str | None = None,
     *,
     transfer_function: TransferFunction | None = None,
     settings: Any = None,
@@ -34,6 +36,7 @@ def spec_of(
     clipping: Clipping | None = None,
     classic: bool = False,
     surface_colors: SurfaceColors | DistanceColoring | None = None,
+    look: Look | str | None = None,
     **values: Any,
 ) -> RenderSpec:
     """What the keywords of `volviz.add_volume` ask for.
@@ -42,7 +45,7 @@ def spec_of(
     ----------
     shown : Volume, ImageLayer, LabelLayer or sequence of layers
         What to show.
-    technique, transfer_function, settings, light, clipping, classic, surface_colors, **values
+    technique, transfer_function, settings, light, clipping, classic, surface_colors, look, **values
         As in `volviz.add_volume`.
 
     Raises
@@ -50,17 +53,38 @@ def spec_of(
     VolvizError
         Unknown technique or setting, unusable value.
     """
-    info = technique_info(technique)
+    if look is not None:
+        if technique is not None or settings is not None or classic:
+            raise InputError(
+                "a look brings technique and settings; give either, or single settings beside it."
+            )
+        layers, look = _seen_with(look, layers_of(shown), transfer_function)
+        technique, values = look.technique, dict(look.settings) | values
+    else:
+        layers = layers_of(shown, transfer_function)
+    info = technique_info(technique or DEFAULT_TECHNIQUE)
     check_kinds(transfer_function=transfer_function, light=light, clipping=clipping)
-    layers = layers_of(shown, transfer_function)
-    # techniques with a light to be dragged show little under a light at the eye, which sees no shadow
-    first_light = Light(headlight="light" not in info.manipulators)
+    # under a light at the eye no shadow is seen, and shapes look flat
+    first_light = Light(headlight=look is None and "light" not in info.manipulators)
     new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())
     if settings is None:
         settings = make_settings(info.settings, (dict(info.classic) if classic else {}) | own, owner=info.id)
     else:
         _refuse_both(own)
     return RenderSpec(layers, info.id, settings, new_light, new_clipping, surface_colors)
+
+
+def _seen_with(look: Look | str, layers: Layers, function: TransferFunction | None) -> tuple[Layers, Look]:
+    """The one layer with the function of a look, unless another is given, and the look."""
+    if len(layers) != 1 or not isinstance(layers[0], ImageLayer):
+        raise InputError("a look is made for one volume; give layers their own transfer functions.")
+    layer = layers[0]
+    if isinstance(look, str):
+        look = look_named(volume_of(layer), look)
+    elif not isinstance(look, Look):
+        raise InputError(f"look must be a name or one of volviz.looks, got {type(look).__name__}.")
+    chosen = function or layer.transfer_function or look.transfer_function
+    return (replace(layer, transfer_function=chosen, color=None, window=None),), look
 
 
 def layers_of(shown: Any, transfer_function: TransferFunction | None = None) -> Layers:

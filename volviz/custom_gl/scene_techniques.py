@@ -8,9 +8,10 @@ from typing import Any
 
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
-from volviz.custom_gl.settings import common_settings
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
+from volviz.model.looks.look import Look
 from volviz.model.parameters import Parameter, make_settings
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Layout, Scene, SceneView
@@ -116,11 +117,25 @@ def without_slices(scene: Scene) -> Scene:
     return replace(scene, views=views, active=0, layout="grid")
 
 
-def with_look(scene: Scene, technique: str, values: Mapping[str, Any] | None) -> Scene:
-    """The scene whose active view is drawn as a preset says.
+def with_look(scene: Scene, look: Look) -> Scene:
+    """The scene whose volume is shown in another way: its function, and the technique of a view with its settings.
 
-    What is lit gets a light from the upper left, as long as nobody has touched the light: from the eye itself shapes
-    look flat.
+    Views that are compared, and slices, keep their techniques.
+    """
+    scene = scene.with_layer(transfer_function=look.transfer_function)
+    volumes = [number for number, view in enumerate(scene.views) if not view.own_camera]
+    if len(volumes) != 1:
+        return scene
+    return with_technique(scene, look.technique, look.settings, volumes[0])
+
+
+def with_technique(
+    scene: Scene, technique: str, values: Mapping[str, Any] | None, view: int | None = None
+) -> Scene:
+    """The scene one of whose views is drawn by a technique with these settings.
+
+    What is lit gets a light from the upper left, as long as nobody has touched the light: from the eye itself
+    shapes look flat.
 
     Parameters
     ----------
@@ -129,6 +144,8 @@ def with_look(scene: Scene, technique: str, values: Mapping[str, Any] | None) ->
         Id of the technique.
     values : mapping or None
         Its settings by name; None leaves those that it has.
+    view : int, optional
+        Number of the view, the active one unless another is named.
 
     Raises
     ------
@@ -136,11 +153,13 @@ def with_look(scene: Scene, technique: str, values: Mapping[str, Any] | None) ->
         There is no such technique or setting.
     """
     info = technique_info(technique)
-    view = replace(scene.view, technique=info.id)
+    drawn = replace(scene.view_at(view), technique=info.id)
     if values is not None:
-        view = view.with_settings(info.id, make_settings(info.settings, dict(values), owner=info.id))
-    changed = scene.with_view(technique=view.technique, settings=view.settings)
-    lit = common_settings(current_settings(changed)).shading
+        drawn = drawn.with_settings(info.id, make_settings(info.settings, dict(values), owner=info.id))
+    changed = scene.with_view(view, technique=drawn.technique, settings=drawn.settings)
+    settings = current_settings(changed, view)
+    # a technique whose settings have no switch for it is always lit where it has an ambient light
+    lit = getattr(settings, "shading", hasattr(settings, "ambient"))
     return replace(changed, light=Light(headlight=False)) if lit and scene.light == Light() else changed
 
 
@@ -206,6 +225,30 @@ def render_spec(scene: Scene, view: int | None = None) -> RenderSpec:
         scene.clipping,
         distance_coloring(scene, view),
     )
+
+
+def drawn_spec(scene: Scene, view: int | None = None) -> RenderSpec:
+    """The same with the layers that are drawn: those that are visible, or the active one alone."""
+    return replace(render_spec(scene, view), layers=drawn_layers(scene, view))
+
+
+def drawn_layers(scene: Scene, view: int | None = None) -> tuple[Layer, ...]:
+    """The layers that a view draws: those that are visible, or the active one by a technique that draws one."""
+    active = scene.layer
+    if active is None:
+        return ()
+    visible = tuple(layer for layer in scene.layers if layer.visible)
+    if draws_one(scene, view):
+        visible = tuple(replace(layer, mode="add") for layer in visible if layer is active)
+    if any(isinstance(layer, ImageLayer) and layer.mode == "add" for layer in visible):
+        return visible
+    # an empty picture is one of the active layer without opacity, so that labels and masks have their place
+    return (replace(active, visible=True, mode="add", opacity=0.0), *visible)
+
+
+def draws_one(scene: Scene, view: int | None = None) -> bool:
+    """Whether the technique of a view draws one layer at a time."""
+    return not current_technique(scene, view).draws_layers
 
 
 def distance_coloring(scene: Scene, view: int | None = None) -> DistanceColoring | None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from volviz.errors import InputError, LoadError
 from volviz.io.axes import are_colours, to_zyx
-from volviz.io.memory import free_bytes
+from volviz.io.memory import free_bytes, free_in_words
 from volviz.io.resampling import Rectangular
 from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
 from volviz.volume_data.references import content_id
@@ -94,7 +94,7 @@ class FileSource(VolumeSource):
             finer = needed[chosen - 1]
             self.load.note(
                 f"Level {chosen} is shown, of 0 (finest) to {len(needed) - 1}: level {chosen - 1} needs "
-                f"{finer / 2**30:.3g} GiB of memory to be drawn and {free / 2**30:.3g} GiB are free."
+                f"{finer / 2**30:.3g} GiB of memory to be drawn and {free_in_words(free)}."
             )
             told = {**self.description.metadata, "notes": tuple(self.load.notes)}
             self.description = replace(self.description, metadata=told)
@@ -107,6 +107,9 @@ class FileSource(VolumeSource):
             channel=request.channel, box=request.box,
             progress=request.progress, cancel=request.cancel, notes=list(self.load.notes),
         )  # fmt: skip
+        if request.box is not None and len(self.levels) > 1:
+            finest = "the finest" if request.level == 0 else f"where 0 is the finest of {len(self.levels)}"
+            load.note(f"This is a box of level {request.level}, {finest}.")
         with told_in_a_sentence(load):
             array = self.values(load)
             if self._is_rescaled and array.dtype.kind in "iu":

@@ -10,6 +10,8 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from volviz.volume_data.budgets import budgets
+
 if TYPE_CHECKING:
     from volviz.errors import VolvizError
 
@@ -25,10 +27,11 @@ class Job(Protocol):
 
 
 def free_bytes() -> int | None:
-    """Bytes of memory that can be had without ending another program, None where the system does not tell.
+    """Bytes of memory that a volume may take, None where neither the user nor the system tells.
 
-    Linux alone tells (``MemAvailable`` of the kernel, and the limit of a container); elsewhere a request that cannot be
-    met fails by itself.
+    The user tells by a budget (`volviz.volume_data.budgets`), the system by what can be had without ending another
+    program. Linux alone tells (``MemAvailable`` of the kernel, and the limit of a container); elsewhere a request that
+    cannot be met fails by itself.
     """
     found: list[int] = []
     with contextlib.suppress(OSError, ValueError, IndexError):
@@ -37,15 +40,23 @@ def free_bytes() -> int | None:
             for line in MEMINFO.read_text(encoding="ascii").splitlines()
             if line.startswith(("MemAvailable:", "SwapFree:"))
         ]
+    allowed = budgets().memory
     if not found:
-        return None
+        return allowed
     free = sum(found)
     with contextlib.suppress(OSError, ValueError):
         # "max" means no limit, and is no number
         limit = int((CGROUP / "memory.max").read_text(encoding="ascii"))
         used = int((CGROUP / "memory.current").read_text(encoding="ascii"))
         free = min(free, limit - used)
-    return max(free, 0)
+    free = max(free, 0)
+    return free if allowed is None else min(free, allowed)
+
+
+def free_in_words(free: int) -> str:
+    """What `free_bytes` gave, as the end of a sentence: "1.5 GiB are free"."""
+    amount = f"{free / 2**30:.3g} GiB"
+    return f"the memory budget is {amount}" if free == budgets().memory else f"{amount} are free"
 
 
 def check_memory(request: Job, wanted: int) -> None:
@@ -65,6 +76,6 @@ def check_memory(request: Job, wanted: int) -> None:
     free = free_bytes()
     if free is not None and wanted > free:
         raise request.error(
-            f"it needs {wanted / 2**30:.3g} GiB of memory and {free / 2**30:.3g} GiB are free; "
+            f"it needs {wanted / 2**30:.3g} GiB of memory and {free_in_words(free)}; "
             "close other programs, crop it or save it with fewer voxels."
         )

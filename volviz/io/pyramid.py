@@ -11,7 +11,7 @@ import numpy as np
 
 from volviz.io.axes import choose, to_zyx
 from volviz.io.file_source import file_source
-from volviz.io.memory import free_bytes
+from volviz.io.memory import free_bytes, free_in_words
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -160,5 +160,5 @@ def _check_memory(
         "read a smaller box" if fitting is None else f"read level {fitting}, which fits, or a smaller box"
     )
     raise request.error(
-        f"{what} needs {wanted / 2**30:.3g} GiB of memory and {free / 2**30:.3g} GiB are free; {advice}."
+        f"{what} needs {wanted / 2**30:.3g} GiB of memory and {free_in_words(free)}; {advice}."
     )

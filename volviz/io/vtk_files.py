@@ -1,68 +1,46 @@
-"""VTK images: XML (.vti) and legacy (.vtk) structured points, point or cell values.
+"""VTK images and even rectilinear grids: XML (.vti, .vtr, and .pvti, .pvtr in pieces) and legacy (.vtk).
 
-VTK says nothing about patients; its coordinates are taken for the world frame as they are.
+Values lie at points or at cells. VTK says nothing about patients; its coordinates are taken for the
+world frame as they are.
 """
 
 from __future__ import annotations
 
 import math
-import os
-import re
 from dataclasses import dataclass, replace
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from volviz.errors import InputError
 from volviz.io.axes import choose, to_zyx
+from volviz.io.endings import VTK
 from volviz.io.file_source import file_source
 from volviz.io.memory import check_memory
 from volviz.io.reader import stem
 from volviz.io.vtk_blocks import are_believable
+from volviz.io.vtk_kinds import (
+    HEADER_BYTES,
+    PACKING,
+    Kind,
+    check_sizes,
+    kind_in,
+    new_reader,
+    pieces_of,
+    sniff,
+)
 from volviz.io.vtk_messages import vtk_complaints
 from volviz.volume_data.description import Channel
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import numpy.typing as npt
 
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".vti", ".vtk")
 
-#: Deflate packs by 1032 at most; with lzma, the third of VTK's compressors, files can be smaller still.
-PACKING = 10_000
-
-#: The header of a file lies within its first bytes.
-HEADER_BYTES = 1 << 20
-
-#: Bytes of the types that legacy files name.
-_LEGACY_TYPES = {
-    b"bit": 1 / 8, b"unsigned_char": 1, b"char": 1, b"signed_char": 1, b"unsigned_short": 2, b"short": 2,
-    b"unsigned_int": 4, b"int": 4, b"unsigned_long": 8, b"long": 8, b"vtktypeint64": 8, b"vtktypeuint64": 8,
-    b"vtkidtype": 4, b"float": 4, b"double": 8,
-}  # fmt: skip
-
-#: Lines of a legacy file behind which values lie: kind and name, or name, components and tuples of a field.
-_LEGACY_ARRAY = re.compile(
-    rb"(?:(?P<kind>SCALARS|VECTORS|NORMALS|TENSORS6?)[ \t]+\S+[ \t]+(?P<type>\w+)(?:[ \t]+(?P<width>\d+))?"
-    rb"|\S+[ \t]+(?P<components>\d+)[ \t]+(?P<tuples>\d+)[ \t]+(?P<field>\w+))[ \t\r]*",
-    re.IGNORECASE,
-)
-#: In the name of every type; a line is not longer than this.
-_TYPE_WORDS = (b"bit", b"char", b"short", b"int", b"long", b"float", b"double", b"idtype")
-_LINE_BYTES = 512
-_BLOCK = 1 << 18
-_COMPONENTS = {b"SCALARS": 1, b"VECTORS": 3, b"NORMALS": 3, b"TENSORS": 9, b"TENSORS6": 6}
-
-
-def sniff(head: bytes, _path: Path) -> bool:
-    """Whether these are the first bytes of a VTK file, XML or legacy."""
-    return (
-        head.startswith(b"# vtk DataFile") or re.match(rb"\s*(<\?xml[^>]*>\s*)?<VTKFile\b", head) is not None
-    )
+#: Coordinates are even when they stray by this fraction of their distance at most: digits of a text, or floats.
+EVEN = 1e-3
 
 
 @dataclass(frozen=True)
@@ -102,11 +80,11 @@ def open_source(request: LoadRequest) -> FileSource:
         head = stream.read(HEADER_BYTES)
     if not sniff(head, request.path):
         raise request.error("this is no VTK file, though it is called so; check how it was made.")
-    legacy = head.startswith(b"#")
-    _check(request, head, legacy=legacy)
+    kind = kind_in(request, head)
+    check_sizes(request, head, kind)
     request.report(0.0)
-    image = _image(request, legacy=True) if legacy else None
-    header = _header_of_image(image) if legacy else _header_of_xml(request)
+    image = _image(request, kind) if kind.is_legacy else None
+    header = _header_of_image(request, image) if image is not None else _header_of_xml(request, kind)
     if not header.points.listed and not header.cells.listed:
         raise request.error(
             "the VTK file holds no numbers at its points or cells; save it with an array of scalars."
@@ -128,7 +106,7 @@ def open_source(request: LoadRequest) -> FileSource:
     is_single = len(arrays.listed) == 1
 
     def values(request: LoadRequest) -> npt.NDArray[Any]:
-        read = image if image is not None else _image(request, legacy=False)
+        read = image if image is not None else _image(request, kind)
         request.report(0.9)
         data = read.GetCellData() if is_cell else read.GetPointData()
         return _values(request, data, arrays, shape)
@@ -140,7 +118,7 @@ def open_source(request: LoadRequest) -> FileSource:
         (*shape, len(arrays.channels)),
         request.geometry(np.c_[matrix, start]),
         format="VTK",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, VTK),
         dtype=arrays.dtype,
         channels=() if is_single else [Channel(name) for _, _, name in arrays.channels],
         field=arrays.listed[arrays.active or 0][0],
@@ -163,97 +141,7 @@ def _is_cell(request: LoadRequest, header: _Header) -> bool:
     return groups[wanted] is header.cells
 
 
-def _check(request: LoadRequest, head: bytes, *, legacy: bool) -> None:
-    """Refuse other kinds of VTK data, and sizes that the file cannot hold, before VTK asks for memory."""
-    if legacy:
-        kind = re.search(rb"^\s*DATASET\s+(\w+)", head, re.MULTILINE | re.IGNORECASE)
-        if kind is None:
-            raise request.error("its header names no DATASET; the file is damaged or cut off.")
-        if kind[1].upper() != b"STRUCTURED_POINTS":
-            raise request.error(
-                f"it holds {kind[1].decode('ascii', 'replace')}, no image; save STRUCTURED_POINTS."
-            )
-        sizes = re.search(
-            rb"^\s*DIMENSIONS\s+(-?\d+)\s+(-?\d+)\s+(-?\d+)", head, re.MULTILINE | re.IGNORECASE
-        )
-        counts = [int(n) for n in sizes.groups()] if sizes else []
-    else:
-        kind = re.search(rb"<VTKFile\b[^>]*\btype\s*=\s*[\"'](\w+)", head)
-        if kind is None or kind[1] != b"ImageData":
-            what = kind[1].decode("ascii", "replace") if kind else "nothing that it names"
-            raise request.error(f"it holds {what}, no image; save it as ImageData (.vti).")
-        extent = re.search(rb"WholeExtent\s*=\s*[\"']([-\d\s]+)[\"']", head)
-        ends = [int(n) for n in extent[1].split()] if extent else []
-        counts = [high - low + 1 for low, high in zip(ends[::2], ends[1::2], strict=False)]
-    if len(counts) != 3 or min(counts) < 1:
-        raise request.error("its header gives no size that a volume can have; the file is damaged.")
-    voxels = counts[0] * counts[1] * counts[2]
-    if legacy:
-        _check_legacy(request, head, counts)
-    elif voxels > request.path.stat().st_size * PACKING:
-        raise request.error(
-            f"the file is cut off: its header promises {voxels:,} voxels, more than it can hold."
-        )
-
-
-def _check_legacy(request: LoadRequest, head: bytes, counts: list[int]) -> None:
-    """Refuse a legacy file, which is never packed, whose lines promise more values than it can hold.
-
-    VTK asks for the memory of an array as soon as it has read such a line, and ends the process without it.
-    """
-    size = request.path.stat().st_size
-    points, cells = math.prod(counts), math.prod(max(n - 1, 1) for n in counts)
-    is_text = re.search(rb"^[ \t]*ASCII\b", head, re.MULTILINE | re.IGNORECASE) is not None
-    wanted, least, memory, at = 0.0, 0.0, 0.0, 0
-    with request.path.open("rb") as stream:
-        while (array := _next_array(request, stream, at)) is not None:
-            found, at = array
-            each = _LEGACY_TYPES[(found["type"] or found["field"]).lower()]
-            if found["kind"]:
-                width = int(found["width"] or _COMPONENTS[found["kind"].upper()])
-                fewest, most = min(points, cells) * width, points * width
-            else:
-                fewest = most = int(found["components"]) * int(found["tuples"])
-            # a value in text has a digit and a blank
-            least += fewest * (2 if is_text else each)
-            wanted += fewest
-            memory += most * each
-            # nothing is looked for among values
-            at += 0 if is_text else int(fewest * each)
-    # without any such line there is at least a bit for each point, or for each cell
-    if least > size + 1 or min(points, cells) > 8 * size:
-        what = f"{wanted:,.0f} values" if least > size + 1 else f"{points:,} voxels"
-        raise request.error(f"the file is cut off: its header promises {what}, more than it can hold.")
-    check_memory(request, int(memory))
-
-
-def _next_array(request: LoadRequest, stream: IO[bytes], at: int) -> tuple[re.Match[bytes], int] | None:
-    """The next line from byte `at` on behind which values lie, and where it ends; found by the names of types."""
-    size = request.path.stat().st_size
-    while at < size:
-        request.report(0.1 * at / size)
-        stream.seek(at)
-        data = stream.read(_BLOCK)
-        hits = []
-        for word in (*_TYPE_WORDS, *map(bytes.upper, _TYPE_WORDS)):
-            hit = data.find(word)
-            while hit >= 0:
-                first = data.rfind(b"\n", max(hit - _LINE_BYTES, 0), hit) + 1
-                last = data.find(b"\n", hit, hit + _LINE_BYTES)
-                found = _LEGACY_ARRAY.fullmatch(data, first, last) if last > 0 else None
-                if found is not None and (found["type"] or found["field"]).lower() in _LEGACY_TYPES:
-                    hits.append((last, found))
-                    break
-                hit = data.find(word, hit + 1)
-        if hits:
-            last, found = min(hits, key=lambda one: one[0])
-            return found, at + last
-        # a line may have been cut in two
-        at += max(len(data) - _LINE_BYTES, 1) if at + len(data) < size else len(data)
-    return None
-
-
-def _check_xml(request: LoadRequest, header: _Header, sizes: list[int]) -> None:
+def _check_xml(request: LoadRequest, header: _Header, sizes: list[int], kind: Kind) -> None:
     """Refuse an XML file whose arrays cannot have been packed into it, or do not fit into memory."""
     counts = [high - low + 1 for low, high in zip(header.extent[::2], header.extent[1::2], strict=True)]
     points, cells = math.prod(counts), math.prod(max(n - 1, 1) for n in counts)
@@ -263,19 +151,19 @@ def _check_xml(request: LoadRequest, header: _Header, sizes: list[int]) -> None:
         for _, components in arrays.listed
     ]
     wanted = sum(count * size for count, size in zip(each, sizes, strict=True))
-    if wanted > request.path.stat().st_size * PACKING:
+    files = pieces_of(request) if kind.is_parallel else [request.path]
+    if wanted > sum(file.stat().st_size for file in files) * PACKING:
         raise request.error(
             f"the file is cut off: its header promises {wanted:,} bytes of values, more than it can hold."
         )
     # arrays beside those of numbers are small
-    if not are_believable(request.path, max(wanted, 8 * points, 1 << 20)):
+    if not all(are_believable(file, max(wanted, 8 * points, 1 << 20)) for file in files):
         raise request.error("its packed values are not listed as they should be; the file is damaged.")
     check_memory(request, wanted)
 
 
-def _header_of_image(image: Any) -> _Header:
-    """The header of an image that was read."""
-    matrix = image.GetDirectionMatrix()
+def _header_of_image(request: LoadRequest, image: Any) -> _Header:
+    """The header of a data set that was read."""
 
     def found(data: Any) -> _Arrays:
         arrays, active = _arrays(data), data.GetScalars()
@@ -285,26 +173,53 @@ def _header_of_image(image: Any) -> _Header:
             _dtype(arrays[0].GetDataType()) if arrays else None,
         )
 
+    arrays = found(image.GetPointData()), found(image.GetCellData())
+    if hasattr(image, "GetXCoordinates"):
+        spacing, origin = _even(request, image)
+        return _Header(image.GetExtent(), tuple(spacing), tuple(origin), np.eye(3), *arrays)
+    matrix = image.GetDirectionMatrix()
     return _Header(
         image.GetExtent(),
         image.GetSpacing(),
         image.GetOrigin(),
         np.array([[matrix.GetElement(i, j) for j in range(3)] for i in range(3)]),
-        found(image.GetPointData()),
-        found(image.GetCellData()),
+        *arrays,
     )
 
 
-def _header_of_xml(request: LoadRequest) -> _Header:
+def _even(request: LoadRequest, grid: Any) -> tuple[list[float], list[float]]:
+    """Distance of the points of a rectilinear grid along x, y, z, and the place of index 0.
+
+    Raises
+    ------
+    LoadError
+        They are not even.
+    """
+    spacing, origin = [], []
+    extent = grid.GetExtent()
+    for axis, letter in enumerate("XYZ"):
+        values = np.asarray(_numbers(getattr(grid, f"Get{letter}Coordinates")()), np.float64)
+        if len(values) != extent[2 * axis + 1] - extent[2 * axis] + 1 or not np.all(np.isfinite(values)):
+            raise request.error("its coordinates do not fit its dimensions; the file is damaged or cut off.")
+        gaps = np.diff(values)
+        step = float((values[-1] - values[0]) / len(gaps)) if len(gaps) else 1.0
+        if step == 0 or np.abs(values - values[0] - step * np.arange(len(values))).max() > EVEN * abs(step):
+            raise request.error(
+                f"its {letter.lower()} coordinates lie {np.abs(gaps).min():.4g} to {np.abs(gaps).max():.4g} apart, "
+                "and a volume needs even ones; resample it (ParaView: Resample To Image)."
+            )
+        spacing.append(step)
+        origin.append(float(values[0]) - step * extent[2 * axis])
+    return spacing, origin
+
+
+def _header_of_xml(request: LoadRequest, kind: Kind) -> _Header:
     """The header of an XML file, without its values."""
     from vtkmodules.vtkCommonDataModel import vtkDataObject as Data
     from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
-    from vtkmodules.vtkIOXML import vtkXMLImageDataReader
 
-    reader = vtkXMLImageDataReader()
+    reader = new_reader(kind, request.path)
     with vtk_complaints() as complaints:
-        # as bytes: a name on Linux need not be text
-        reader.SetFileName(os.fsencode(request.path))
         reader.UpdateInformation()
     information = reader.GetOutputInformation(0)
     extent = information.Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT())
@@ -339,8 +254,18 @@ def _header_of_xml(request: LoadRequest) -> _Header:
         found(Data.POINT_DATA_VECTOR()),
         found(Data.CELL_DATA_VECTOR()),
     )
-    _check_xml(request, header, sizes)
-    return header
+    _check_xml(request, header, sizes, kind)
+    if not kind.is_rectilinear:
+        return header
+    # the coordinates alone
+    reader.GetPointDataArraySelection().DisableAllArrays()
+    reader.GetCellDataArraySelection().DisableAllArrays()
+    with vtk_complaints() as complaints:
+        reader.Update()
+    if complaints.GetOutput():
+        raise request.error("VTK cannot read it; the file is damaged, cut off or of an unusual kind.")
+    spacing, origin = _even(request, reader.GetOutput())
+    return replace(header, spacing=tuple(spacing), origin=tuple(origin))
 
 
 def _dtype(kind: int) -> npt.DTypeLike | None:
@@ -351,13 +276,9 @@ def _dtype(kind: int) -> npt.DTypeLike | None:
     return found
 
 
-def _image(request: LoadRequest, *, legacy: bool) -> Any:
-    """The vtkImageData; VTK's errors become one sentence, and its progress ours."""
-    if legacy:
-        from vtkmodules.vtkIOLegacy import vtkStructuredPointsReader as Reader
-    else:
-        from vtkmodules.vtkIOXML import vtkXMLImageDataReader as Reader
-    reader = Reader()
+def _image(request: LoadRequest, kind: Kind) -> Any:
+    """The data set with its values; VTK's errors become one sentence, and its progress ours."""
+    reader = new_reader(kind, request.path)
     stopped: list[BaseException] = []
 
     def progressed(caller: Any, _event: str) -> None:
@@ -370,8 +291,6 @@ def _image(request: LoadRequest, *, legacy: bool) -> Any:
     observer = reader.AddObserver("ProgressEvent", progressed)
     try:
         with vtk_complaints() as complaints:
-            # as bytes: a name on Linux need not be text
-            reader.SetFileName(os.fsencode(request.path))
             reader.Update()
     finally:
         reader.RemoveObserver(observer)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -42,6 +42,12 @@ def with_layers_instead(scene: Scene, ref: VolumeRef, layers: Sequence[Layer]) -
     """The scene with other layers in the place of the image layers of a file."""
     kept = [each for each in scene.layers if not (isinstance(each, ImageLayer) and each.volume == ref)]
     return replace(scene, layers=(*layers, *kept), active_layer=0)
+
+
+def at_time(scene: Scene, time: int, refs: Collection[VolumeRef]) -> Scene:
+    """The scene with all layers of some files at another time point."""
+    layers = tuple(replace(layer, time=time) if layer.volume in refs else layer for layer in scene.layers)
+    return replace(scene, layers=layers)
 
 
 def with_only(scene: Scene, number: int) -> Scene:

@@ -12,6 +12,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
+from volviz.model.movie import Movie
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.volume_data.vectors import Vector
 
@@ -81,6 +82,8 @@ class Scene:
         Views of equal size, or the first one large beside the others.
     active_layer : int
         Number of the layer that panels act on, where it is an image layer (see `layer`).
+    movie : Movie
+        What happens to it in time; without steps there is none.
     """
 
     layers: tuple[ImageLayer | LabelLayer, ...] = ()
@@ -93,6 +96,7 @@ class Scene:
     cursor: Vector | None = None
     layout: Layout = "grid"
     active_layer: int = 0
+    movie: Movie[Scene] = Movie()
 
     @property
     def layer(self) -> ImageLayer | None:

@@ -216,6 +216,14 @@ def levels_of(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> tu
     return known
 
 
+def held_bytes(volume: Volume) -> int:
+    """Bytes of the values of a volume and of all texels that have been made of them."""
+    with _lock:
+        known = [*_levels.get(volume, {}).values(), *((one,) for one in _texels.get(volume, {}).values())]
+    arrays = {id(texels.data): texels.data.nbytes for levels in known for texels in levels}
+    return volume.array.nbytes + sum(arrays.values())
+
+
 def is_prepared(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> bool:
     """Whether bricks and all levels of a volume are made."""
     with _lock:

@@ -272,6 +272,22 @@ def test_a_packed_slice_is_unpacked_and_refused_as_the_single_image_that_it_is(t
         load(path)
 
 
+def test_a_folder_of_packed_slices_opens_as_if_unpacked(tmp_path):
+    slices = scalars((4, 6, 5))
+    for n, pixels in enumerate(slices):
+        path = dicom_slice(tmp_path / f"{n}.dcm", pixels, (0, 0, 2.5 * n), RescaleIntercept="0")
+        if n != 1:
+            gzipped(path)
+            path.unlink()
+    for opened in (tmp_path, tmp_path / "0.dcm.gz"):
+        volume = load(opened)
+        np.testing.assert_array_equal(volume.array, slices)
+        assert volume.spacing == (0.7, 1.1, 2.5)
+    packed = tmp_path / "3.dcm.gz"
+    packed.write_bytes(packed.read_bytes()[:-50])
+    assert load(tmp_path).dimensions == (5, 6, 3)
+
+
 def test_folders_without_volumes_are_refused_in_words(tmp_path):
     (tmp_path / "empty").mkdir()
     (tmp_path / "texts").mkdir()

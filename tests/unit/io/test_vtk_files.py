@@ -13,7 +13,7 @@ import volviz
 from tests.unit.io.writers import scalars
 from volviz.errors import InputError, LoadError
 from volviz.io import load
-from volviz.io.vtk_files import PACKING
+from volviz.io.vtk_kinds import PACKING
 
 SHAPE = (4, 5, 6)
 
@@ -160,3 +160,62 @@ def test_damaged_lists_of_packed_blocks_do_not_reach_vtk(tmp_path, mode, is_text
             path.write_bytes(raw[:at] + text[:count] + raw[at + count :])
             with pytest.raises(LoadError, match="damaged"):
                 load(path)
+
+
+def rectilinear(points, cells=None, *, x=None):
+    z, y, _ = SHAPE
+    x = np.arange(6) * 0.1 + 4 if x is None else x
+    image = pyvista.RectilinearGrid(x, np.arange(y) * 2.0 - 3, np.arange(z) * 0.5)
+    image.point_data["density"] = points.ravel()
+    if cells is not None:
+        image.cell_data["pressure"] = cells.ravel()
+    return image
+
+
+@pytest.mark.parametrize("suffix", [".vtr", ".vtk"])
+def test_an_even_rectilinear_grid_is_a_volume(tmp_path, suffix):
+    rectilinear(scalars(SHAPE), scalars((3, 4, 5), seed=2)).save(tmp_path / f"v{suffix}")
+    volume = load(tmp_path / f"v{suffix}")
+    np.testing.assert_array_equal(volume.array, scalars(SHAPE))
+    np.testing.assert_allclose(volume.spacing, (0.1, 2, 0.5))
+    np.testing.assert_allclose(volume.origin, (4, -3, 0))
+    at_cells = load(tmp_path / f"v{suffix}", series=1)
+    np.testing.assert_array_equal(at_cells.array, scalars((3, 4, 5), seed=2))
+    np.testing.assert_allclose(at_cells.origin, (4.05, -2, 0.25))
+
+
+@pytest.mark.parametrize("suffix", [".vtr", ".vtk"])
+def test_an_uneven_rectilinear_grid_is_refused_with_its_distances(tmp_path, suffix):
+    rectilinear(scalars(SHAPE), x=np.array([0, 1, 2, 4, 5, 6.0])).save(tmp_path / f"v{suffix}")
+    with pytest.raises(LoadError, match="x coordinates lie 1 to 2 apart"):
+        load(tmp_path / f"v{suffix}")
+
+
+def test_a_falling_axis_of_a_rectilinear_grid_is_turned_and_not_mirrored(tmp_path):
+    rectilinear(scalars(SHAPE), x=10.0 - np.arange(6)).save(tmp_path / "v.vtr")
+    volume = load(tmp_path / "v.vtr")
+    np.testing.assert_allclose(volume.index_to_world @ (5, 0, 0, 1), (5, -3, 0, 1))
+    np.testing.assert_array_equal(volume.array, scalars(SHAPE))
+
+
+@pytest.mark.parametrize("kind", ["PImageData", "PRectilinearGrid"])
+def test_pieces_are_one_volume_and_a_missing_one_is_named(tmp_path, kind):
+    from vtkmodules.vtkIOParallelXML import vtkXMLPImageDataWriter, vtkXMLPRectilinearGridWriter
+
+    is_image = kind == "PImageData"
+    writer = vtkXMLPImageDataWriter() if is_image else vtkXMLPRectilinearGridWriter()
+    path = tmp_path / ("v.pvti" if is_image else "v.pvtr")
+    writer.SetFileName(str(path))
+    writer.SetInputData(grid(density=scalars(SHAPE)) if is_image else rectilinear(scalars(SHAPE)))
+    writer.SetNumberOfPieces(3)
+    writer.SetStartPiece(0)
+    writer.SetEndPiece(2)
+    writer.Write()
+    pieces = [p for p in tmp_path.rglob("*") if p.is_file() and p != path]
+    assert len(pieces) == 3
+    volume = load(path)
+    np.testing.assert_array_equal(volume.array, scalars(SHAPE))
+    np.testing.assert_allclose(volume.spacing, (1, 2, 3) if is_image else (0.1, 2, 0.5))
+    pieces[1].unlink()
+    with pytest.raises(LoadError, match=rf"piece {pieces[1].name} is not there"):
+        load(path)

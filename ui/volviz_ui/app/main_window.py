@@ -7,13 +7,13 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, Qt, QTimer, QUrl
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QMainWindow
+from PySide6.QtWidgets import QMainWindow, QVBoxLayout, QWidget
 
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import unused_regions
 from volviz.kernels.warm_up import warm_up
 from volviz.model.store import Store
-from volviz.volume_data.references import is_address
+from volviz.volume_data.references import SAMPLE_PREFIX, is_address
 from volviz.volume_data.volume import Volume
 from volviz_ui.app.empty_picture import EmptyPicture
 from volviz_ui.app.messages import WindowMessages
@@ -27,6 +27,7 @@ from volviz_ui.commands.presets import PresetsOfFunction
 from volviz_ui.commands.session import SessionCommands
 from volviz_ui.commands.table import CommandTable
 from volviz_ui.commands.technique import TechniqueCommands
+from volviz_ui.commands.time import TimeCommands
 from volviz_ui.commands.view import ViewCommands
 from volviz_ui.compare.crosscheck import CrosscheckPanel
 from volviz_ui.compare.measurements import Measurements
@@ -42,8 +43,9 @@ from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene, volume_of
 from volviz_ui.session.memory import return_freed_memory
 from volviz_ui.session.mesh_summary import ShownMesh
-from volviz_ui.session.opening import SAMPLE_PREFIX, Opened
+from volviz_ui.session.opening import Opened
 from volviz_ui.session.preferences import Preferences
+from volviz_ui.session.time_player import Repeat, TimePlayer
 from volviz_ui.session.workers import Gate, Workers
 from volviz_ui.style.app_icon import app_icon
 from volviz_ui.style.theme import Theme
@@ -52,6 +54,7 @@ from volviz_ui.transfer_editor.isovalue_markers import IsovalueMarkers
 from volviz_ui.transfer_editor.thumbnails import Thumbnails
 from volviz_ui.views.annotations import Annotations
 from volviz_ui.views.pointer import Pointer
+from volviz_ui.views.time_bar import TimeBar
 from volviz_ui.views.view_controller import ViewController
 from volviz_ui.views.view_grid import ViewGrid
 from volviz_ui.views.viewport import Viewport
@@ -101,7 +104,15 @@ class MainWindow(QMainWindow):
         )
 
         self.views = ViewGrid(self.store, self.documents, self)
-        self.setCentralWidget(self.views)
+        self.player = TimePlayer(self.store, self.documents, self.gate, self)
+        self.time_bar = TimeBar(self.player, self)
+        middle = QWidget(self)
+        column = QVBoxLayout(middle)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.views, 1)
+        column.addWidget(self.time_bar)
+        self.setCentralWidget(middle)
         self.messages = WindowMessages(self, self.documents, self.views)
         self.docks = Docks(self)
         self.surface = ShownMesh(self.store, self.workers, self)
@@ -110,6 +121,7 @@ class MainWindow(QMainWindow):
             store=self.store,
             documents=self.documents,
             workers=self.workers,
+            player=self.player,
             preferences=self.preferences,
             theme=theme,
             views=self.views,
@@ -176,7 +188,8 @@ class MainWindow(QMainWindow):
         self.commands = CommandTable(context)
         self.session_commands = SessionCommands(context)
         self.file_commands = FileCommands(context, self.session_commands)
-        self.view_commands = ViewCommands(context)
+        self.time_commands = TimeCommands(context)
+        self.view_commands = ViewCommands(context, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
         self.technique_commands = TechniqueCommands(context)
         self.help_commands = HelpCommands(context, self.commands)
@@ -223,6 +236,11 @@ class MainWindow(QMainWindow):
         section.cancel_requested.connect(self.surface.cancel)
         section.export_requested.connect(self.file_commands.export_mesh)
         self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
+        self.player.preparation = self.views.preparations
+        self.player.failed.connect(self._on_time_failed)
+        self.views.drawn.connect(self._on_drawn)
+        self.player.repeat = self.preferences.repeat
+        self.time_bar.repeat_chosen.connect(self._set_repeat)
         self.compare_commands.report_requested.connect(self.reports.write_report)
         self.documents.opened.connect(self._on_opened)
         self.session_commands.unsaved.changed.connect(self.setWindowModified)
@@ -299,6 +317,19 @@ class MainWindow(QMainWindow):
             self.messages.status_line.show_status(status)
             self.surface.show_status(status, self.views.active.controller.handle)
 
+    # ------------------------------------------------------------------ time
+
+    def _on_drawn(self) -> None:
+        if self.views.show_present:
+            self.player.note_drawn()
+
+    def _on_time_failed(self, number: int, error: BaseException) -> None:
+        title = self.tr("Time point %1 was not read").replace("%1", str(number))
+        self.messages.show_error(title, error)
+
+    def _set_repeat(self, repeat: Repeat) -> None:
+        self.player.repeat = self.preferences.repeat = repeat
+
     # ------------------------------------------------------------------ events
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
@@ -360,6 +391,7 @@ class MainWindow(QMainWindow):
         self.surface_distances.close()
         self.reports.close()
         self.compilers.close()
+        self.player.close()
         self.workers.close()
         self.views.close_views()
         self.documents.close()

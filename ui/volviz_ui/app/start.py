@@ -24,12 +24,15 @@ def main(source: str | None = None, **hints: Any) -> int:
         Exit status.
     """
     prepare()
-    # everything below needs the environment above
+    # Everything below needs the environment above. PyVista comes before Qt: PySide looks into
+    # the source of every module that is imported after it, which PyVista's thousand feel.
+    import pyvista.plotting  # noqa: F401
     from PySide6.QtCore import QTimer
 
     from volviz_ui.app.application import make_application
 
     application = make_application()
+    from volviz.volume_data.budgets import budgets, set_budgets
     from volviz_ui.app.main_window import MainWindow
     from volviz_ui.commands.session import autosave_folder
     from volviz_ui.session.memory import spare_lasting_objects
@@ -37,6 +40,12 @@ def main(source: str | None = None, **hints: Any) -> int:
     from volviz_ui.style.theme import Theme
 
     preferences = Preferences()
+    # what the command line allows goes before
+    chosen = budgets()
+    set_budgets(
+        memory=chosen.memory or preferences.budget("memory"),
+        texture=chosen.texture or preferences.budget("texture"),
+    )
     folder = autosave_folder()
     window = MainWindow(Theme(application, preferences.theme), preferences, autosave_folder=folder)
     window.show()

@@ -26,9 +26,11 @@ class State:
         Whether a volume is shown.
     triangles : int
         Size of the mesh that the active view shows and that can be exported, 0 without one.
+    times : int
+        Number of time points, 1 for data that stands still.
     shown : frozenset of str
-        What is switched on outside of the scene: annotations, manipulators, "full_screen", and "panel.<name>" for
-        each open panel.
+        What is switched on outside of the scene: annotations, manipulators, "full_screen", "playing", and
+        "panel.<name>" for each open panel.
     """
 
     scene: Scene
@@ -36,6 +38,7 @@ class State:
     redo: str | None = None
     has_volume: bool = False
     triangles: int = 0
+    times: int = 1
     shown: frozenset[str] = frozenset()
 
 

@@ -7,10 +7,11 @@ from typing import Any
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QKeySequence
 
+from volviz.volume_data.budgets import set_budgets
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, State
 from volviz_ui.commands.view import ViewCommands
-from volviz_ui.dialogs.preferences import PreferencesDialog
+from volviz_ui.dialogs.preferences import BUDGETS, PreferencesDialog
 
 
 class EditCommands(QObject):
@@ -38,7 +39,7 @@ class EditCommands(QObject):
                 ),
                 None,
                 Command(
-                    "edit.preferences", tr("&Preferences…"), tr("Theme and quality"), self.show_preferences,
+                    "edit.preferences", tr("&Preferences…"), tr("Theme, quality and memory"), self.show_preferences,
                     keys=("Ctrl+,",), icon="gear",
                 ),
             ],
@@ -57,14 +58,21 @@ class EditCommands(QObject):
             self._context.theme.choice,
             preferences.quality,
             asks=preferences.asks_about_changes,
+            budgets={what: preferences.budget(what) for what in BUDGETS},
             parent=self._context.window,
         )
         dialog.asking_chosen.connect(lambda on: setattr(preferences, "asks_about_changes", on))
         dialog.theme_chosen.connect(self.set_theme)
         dialog.quality_chosen.connect(self._views.set_quality)
+        dialog.budget_chosen.connect(self.set_budget)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
+
+    def set_budget(self, what: str, count: int | None) -> None:
+        """Allow a volume so many bytes of "memory" or "texture", None as the program sees fit."""
+        self._context.preferences.set_budget(what, count)
+        set_budgets(**{what: count})
 
     def set_theme(self, choice: Any) -> None:
         """Light, dark, or as the system."""

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
 from volviz.volume_data.array_source import ArraySource
-from volviz.volume_data.references import VolumeKey, is_address
+from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, is_address
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
 from volviz_ui.commands.session import SessionCommands, file_stem
@@ -24,7 +24,7 @@ from volviz_ui.dialogs.open_address import OpenAddressDialog
 from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
 from volviz_ui.dialogs.save_volume import SaveVolumeDialog
 from volviz_ui.session.mesh_summary import shows_mesh
-from volviz_ui.session.opening import SAMPLE_PREFIX, SeveralImages, title_of
+from volviz_ui.session.opening import SeveralImages, title_of
 from volviz_ui.session.script import script_of
 from volviz_ui.views.image_copy import ImageCopy
 from volviz_ui.views.image_export import ImageExport

@@ -30,6 +30,7 @@ class CommandTable(QObject):
         self._context = context
         self.menus: list[Menu] = []
         self._commands: dict[str, Command] = {}
+        self._times = (1, False)
         self._actions: dict[str, QAction] = {}
         self._groups: dict[str, QActionGroup] = {}
         context.store.history_changed.connect(self.refresh)
@@ -38,6 +39,7 @@ class CommandTable(QObject):
         for dock in context.docks.all:
             dock.toggleViewAction().toggled.connect(self.refresh)
         context.store.changed.connect(self.refresh)
+        context.player.changed.connect(self._on_time_changed)
 
     def add(self, menu: Menu) -> Menu:
         """Make the commands of a menu."""
@@ -58,12 +60,15 @@ class CommandTable(QObject):
         shown |= {f"panel.{name}" for name in context.docks.names if context.docks[name].is_open}
         if context.window.isFullScreen():
             shown.add("full_screen")
+        if context.player.is_playing:
+            shown.add("playing")
         return State(
             context.store.scene,
             context.store.undo_label,
             context.store.redo_label,
             context.documents.volume is not None,
             0 if summary is None else summary.metrics.faces,
+            context.player.count,
             frozenset(shown),
         )
 
@@ -116,6 +121,12 @@ class CommandTable(QObject):
 
     def _on_shown_changed(self, old: LoadedScene, new: LoadedScene) -> None:
         if old.volume is not new.volume:
+            self.refresh()
+
+    def _on_time_changed(self) -> None:
+        times = self._context.player.count, self._context.player.is_playing
+        if times != self._times:
+            self._times = times
             self.refresh()
 
     # ------------------------------------------------------------------ making them

@@ -13,6 +13,7 @@ from volviz.model.camera import Camera
 from volviz.model.scene import Color, Layout, Scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, has_volume
+from volviz_ui.commands.time import TimeCommands
 from volviz_ui.editors.simple import chosen_color
 from volviz_ui.views.camera_moves import axis_camera
 from volviz_ui.widgets.docks import Docks
@@ -33,9 +34,10 @@ class ViewCommands(QObject):
 
     quality_changed = Signal(str)
 
-    def __init__(self, context: AppContext) -> None:
+    def __init__(self, context: AppContext, time: TimeCommands) -> None:
         super().__init__(context.window)
         self._context = context
+        self._time = time
 
     def menu(self) -> Menu:
         """The table of its commands."""
@@ -49,6 +51,7 @@ class ViewCommands(QObject):
                 ),
                 Menu(tr("&Look from"), self._axis_views()),
                 Menu(tr("Sl&ices"), self._slice_layouts()),
+                self._time.menu(),
                 Command(
                     "view.parallel", tr("Para&llel projection"), tr("Without perspective"), self.set_parallel,
                     keys=("O",), enabled=has_volume, checked=lambda state: is_parallel(state.scene),

@@ -90,9 +90,13 @@ class CropBox(QWidget):
         self.whole.setToolTip(self.tr("Show all voxels again"))
         self.whole.clicked.connect(self._on_whole)
         grid.addWidget(self.whole, 3, 1, 1, 3)
+        self.full = QPushButton(self)
+        self.full.clicked.connect(self._on_full)
+        grid.addWidget(self.full, 4, 1, 1, 3)
         send_value(self.crop_changed, store, _with_crop, label=self.tr("Crop"), gesture=GESTURE)
         show_value(documents, volume_of, self._show_volume)
         show_value(documents, _crop_of, self.show_crop)
+        show_value(documents, lambda shown: shown.scene.layer, self._show_part)
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Sliders that are not seen do not hear that the button is up."""
@@ -123,6 +127,7 @@ class CropBox(QWidget):
         if self._dimensions is None:
             return
         self.whole.setEnabled(crop is not None)
+        self.full.setEnabled(crop is not None or self._documents.shows_box)
         for axis, n in enumerate(self._dimensions):
             bounds = (0, n - 1) if crop is None else (round(crop[2 * axis]), round(crop[2 * axis + 1]))
             bounds = (min(max(bounds[0], 0), n - 2), min(max(bounds[1], 1), n - 1))
@@ -133,6 +138,26 @@ class CropBox(QWidget):
                     slider.setValue(bounds)
                 low.setValue(bounds[0])
                 high.setValue(bounds[1])
+
+    def _show_part(self, _layer: object) -> None:
+        """Offer the box at a finer level, or the way back from it."""
+        shows_box = self._documents.shows_box
+        self.full.setVisible(shows_box or self._documents.finer_box)
+        if shows_box:
+            self.full.setText(self.tr("Back to all of the file"))
+            self.full.setToolTip(self.tr("Show the whole volume again, cropped to this box"))
+        else:
+            self.full.setText(self.tr("This box in full"))
+            self.full.setToolTip(
+                self.tr("Read what the box holds at the finest resolution that fits into memory")
+            )
+        self.full.setEnabled(shows_box or _crop_of(self._documents.shown) is not None)
+
+    def _on_full(self) -> None:
+        if self._documents.shows_box:
+            self._documents.show_whole_again()
+        else:
+            self._documents.show_box_in_full()
 
     def _on_whole(self) -> None:
         self.crop_changed.emit(None)

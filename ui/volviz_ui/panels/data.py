@@ -55,7 +55,7 @@ class DataPanel(Panel):
         self.notes.setToolTip(self.tr("What the reader has to say about the file"))
         properties.add_wide(self.notes)
 
-        part = Section(self.tr("Channel and time"), parent=self)
+        part = Section(self.tr("Channel"), parent=self)
         self.part = PartChooser(store, documents, self)
         part.add_wide(self.part)
         self.part.needed.connect(part.setVisible)

@@ -71,6 +71,14 @@ class HistogramView(QWidget):
         self.counts = counts
         self.update()
 
+    @property
+    def words(self) -> str:
+        """What stands in the place of counts that are not there yet."""
+        gate = self._workers.gate
+        if gate is not None and gate.is_held:
+            return self.tr("Waits while time runs")
+        return self.tr("Counting…")
+
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Say which value lies under the pointer."""
         if self._volume is None or self.counts is None:
@@ -96,7 +104,7 @@ class HistogramView(QWidget):
         if self.counts is None:
             if self._volume is not None:
                 painter.setPen(palette.color(QPalette.ColorRole.PlaceholderText))
-                painter.drawText(frame, Qt.AlignmentFlag.AlignCenter, self.tr("Counting…"))
+                painter.drawText(frame, Qt.AlignmentFlag.AlignCenter, self.words)
             return
         heights = np.log1p(self.counts)
         heights = heights / max(float(heights.max()), 1e-9) * (frame.height() - 6)

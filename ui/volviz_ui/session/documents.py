@@ -6,26 +6,30 @@ import os
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from psygnal import Signal as Event
 from PySide6.QtCore import QObject, Signal
 
 from volviz.errors import InputError
+from volviz.model.clipping import Clipping, Crop
 from volviz.model.layer_edits import with_added, with_layers_instead
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.volume_data.references import VolumeKey, VolumeRef, content_id, is_address
+from volviz.volume_data.references import (
+    VolumeKey,
+    VolumeRef,
+    content_id,
+    reference_to,
+)
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
+from volviz_ui.session.file_parts import box_again, box_in_full, shown_part, whole_of
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.opening import (
-    SAMPLE_PREFIX,
     Opened,
     SeveralImages,
     has_channels,
-    layers_of,
     open_channels,
     open_volume,
     scene_with,
@@ -36,6 +40,8 @@ from volviz_ui.session.workers import Task, Workers
 
 SOURCES = 8
 """Files whose headers are kept."""
+FRAMES_BUDGET = 384 << 20
+"""Bytes of time points that are kept or have been read ahead, with the texels made of them."""
 
 
 class Documents(QObject):
@@ -64,6 +70,8 @@ class Documents(QObject):
         self._store = store
         self._workers = workers
         self.cache = VolumeCache()
+        #: Time points of the data that is shown.
+        self.frames = VolumeCache(FRAMES_BUDGET)
         self._sources: OrderedDict[VolumeRef, VolumeSource] = OrderedDict()
         self._shown = LoadedScene()
         self._read: dict[VolumeKey, Volume] = {}
@@ -90,7 +98,17 @@ class Documents(QObject):
     def source(self) -> VolumeSource | None:
         """Where the volume that is shown comes from: its other time points and channels can be read of it."""
         layer = self._shown.scene.layer
-        return None if layer is None else self._sources.get(layer.key.ref)
+        return None if layer is None else self._sources.get(whole_of(layer.key.ref))
+
+    def source_of(self, ref: VolumeRef) -> VolumeSource | None:
+        """Where the data of a layer comes from; None where it is not known any more."""
+        return self._sources.get(ref)
+
+    def at_hand(self, key: VolumeKey) -> Volume | None:
+        """A volume that need not be read."""
+        return (
+            self._shown.volumes.get(key) or self._read.get(key) or self.frames.get(key) or self.cache.get(key)
+        )
 
     @property
     def is_current(self) -> bool:
@@ -111,7 +129,7 @@ class Documents(QObject):
 
         A channel is chosen by its number, from 0, or its name; without one, the file shows what it shows by itself.
         """
-        ref = _ref_of(source, hints)
+        ref = reference_to(source, hints)
         self._way_back = None
         name = channel if isinstance(channel, str) else None
         number = None if isinstance(channel, str) else channel
@@ -122,9 +140,51 @@ class Documents(QObject):
         if self._store.scene.layer is None:
             self.open(source, **hints)
             return
-        key = VolumeKey(_ref_of(source, hints), None, 0)
+        key = VolumeKey(reference_to(source, hints), None, 0)
         self._way_back = None
         self._run(key, lambda task: open_volume(key, task, adds=True), self._on_added)
+
+    @property
+    def finer_box(self) -> bool:
+        """Whether a box of what is shown can be read at a finer level: the file has one, and all of it is shown."""
+        layer, source = self._shown.scene.layer, self.source
+        if layer is None or source is None:
+            return False
+        level, box = shown_part(source, layer.key.ref)
+        return level > 0 and box is None
+
+    @property
+    def shows_box(self) -> bool:
+        """Whether a box of the file is shown instead of all of it."""
+        layer = self._shown.scene.layer
+        return layer is not None and "box" in dict(layer.key.ref.hints)
+
+    def show_box_in_full(self) -> None:
+        """Read what the crop box shows at the finest level at which it fits, and show that alone."""
+        layer, source, crop = self._shown.scene.layer, self.source, self._shown.scene.clipping.crop
+        if layer is not None and source is not None and crop is not None:
+            crop = Clipping(crop).crop_within(self._shown.volumes[layer.key].dimensions)
+            ref = box_in_full(source, layer.key.ref, crop)
+            self._show_part(layer.key.ref, ref, None, self.tr("This box in full"))
+
+    def show_whole_again(self) -> None:
+        """Show all of the file again, with the box that was shown as the crop box."""
+        layer, source = self._shown.scene.layer, self.source
+        if layer is not None and source is not None:
+            whole, crop = box_again(source, layer.key.ref)
+            self._show_part(layer.key.ref, whole, crop, self.tr("The whole volume"))
+
+    def _show_part(self, old: VolumeRef, new: VolumeRef, crop: Crop | None, label: str) -> None:
+        """Let all layers of a file show another part of it; cancelling the reading takes that back."""
+
+        def changed(scene: Scene) -> Scene:
+            layers = tuple(
+                replace(layer, volume=new) if layer.volume == old else layer for layer in scene.layers
+            )
+            return replace(scene, layers=layers, clipping=replace(scene.clipping, crop=crop))
+
+        self._way_back = self._store.undo
+        self._store.update(changed, label=label)
 
     def show_all_channels(self) -> None:
         """Show all channels of the file that the active layer shows, each as a layer, in the place of that layer."""
@@ -175,6 +235,7 @@ class Documents(QObject):
         self._task = None
         self._shown = LoadedScene()
         self.cache.clear()
+        self.frames.clear()
         self._sources.clear()
 
     # ------------------------------------------------------------------ inside
@@ -183,7 +244,7 @@ class Documents(QObject):
         self, key: VolumeKey, *, first: bool, scene: Scene | None = None, channel_name: str | None = None
     ) -> None:
         # headers are not read again for another time point
-        source = None if first else self._sources.get(key.ref)
+        source = None if first else self._sources.get(whole_of(key.ref))
         self._run(
             key,
             lambda task: open_volume(key, task, scene, source=source, channel=channel_name, first=first),
@@ -222,7 +283,7 @@ class Documents(QObject):
         self._end()
         self._keep(opened)
         self._store.update(
-            lambda scene: with_added(scene, layers_of(opened)),
+            lambda scene: with_added(scene, opened.layers),
             label=self.tr("Add %1").replace("%1", opened.volume.name),
         )
 
@@ -246,8 +307,9 @@ class Documents(QObject):
         self._read |= read
         for key, volume in read.items():
             self.cache.put(key, volume)
-        self._sources[opened.key.ref] = opened.source
-        self._sources.move_to_end(opened.key.ref)
+        ref = whole_of(opened.key.ref)
+        self._sources[ref] = opened.source
+        self._sources.move_to_end(ref)
         while len(self._sources) > SOURCES:
             self._sources.popitem(last=False)
 
@@ -286,14 +348,10 @@ class Documents(QObject):
                 self._end()
             self._show(loaded)
         else:
-            missing = next(key for key in keys_of(scene) if self._at_hand(key) is None)
+            missing = next(key for key in keys_of(scene) if self.at_hand(key) is None)
             if missing != self._awaited:
                 self._awaited = missing
                 self._start(missing, first=False)
-
-    def _at_hand(self, key: VolumeKey) -> Volume | None:
-        """A volume that need not be read."""
-        return self._shown.volumes.get(key) or self._read.get(key) or self.cache.get(key)
 
     def _loaded(self, scene: Scene) -> LoadedScene | None:
         """The scene with its volumes, None when one of them must be read."""
@@ -302,7 +360,7 @@ class Documents(QObject):
             return LoadedScene(scene, self._shown.volumes)
         volumes: dict[VolumeKey, Volume] = {}
         for key in keys:
-            volume = self._at_hand(key)
+            volume = self.at_hand(key)
             if volume is None:
                 return None
             volumes[key] = volume
@@ -323,13 +381,6 @@ class Documents(QObject):
                 self.changed.emit(*self._changes[0])
             finally:
                 self._changes.popleft()
-
-
-def _ref_of(source: str | os.PathLike[str], hints: dict[str, Any]) -> VolumeRef:
-    text = os.fspath(source)
-    if not text.startswith(SAMPLE_PREFIX) and not is_address(text):
-        text = str(Path(text).absolute())
-    return VolumeRef(text, tuple(hints.items()), content_id(text))
 
 
 def keys_of(scene: Scene) -> list[VolumeKey]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from volviz.custom_gl.layer_set import layer_function
 from volviz.custom_gl.scene_techniques import with_look
@@ -14,16 +13,18 @@ from volviz.io.entries import Entry
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.layer_looks import channel_color, channel_function
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
+from volviz.model.looks.choice import best_look
+from volviz.model.looks.look import Look
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.label_indices import label_indices_of
-from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
+from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, VolumeRef, content_id
 from volviz.volume_data.scalars import bricks_of
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
+from volviz_ui.session.file_parts import shown_part, whole_of
 from volviz_ui.session.workers import Task
 
-SAMPLE_PREFIX = "sample:"
 #: Channels that may be shown together.
 MOST_CHANNELS = 8
 
@@ -35,13 +36,12 @@ class Opened:
     key: VolumeKey
     volume: Volume
     source: VolumeSource
-    transfer_function: TransferFunction
-    technique: str | None = None
-    settings: Any = None
+    layers: tuple[Layer, ...] = ()
+    """The layers that a file becomes: one image, its channels, or its labels."""
+    look: Look | None = None
+    """How the one image is drawn at first."""
     scene: Scene | None = None
     """The whole scene, when a session was opened."""
-    layers: tuple[Layer, ...] = ()
-    """The layers that a file becomes, where that is not one image: its channels, or its labels."""
     others: Mapping[VolumeKey, Volume] = field(default_factory=dict)
     """Volumes of further layers."""
 
@@ -120,13 +120,10 @@ def open_volume(
     bricks_of(volume)
     if scene is not None and scene.layer is not None:
         return _whole_scene(scene, source, key, volume, task)
-    preset_id = suggested_preset(key.ref)
-    if preset_id is None:
-        return Opened(key, volume, source, TransferFunction.auto(volume))
-    from volviz.model.transfer.presets import preset, preset_for
-
-    chosen = preset(preset_id)
-    return Opened(key, volume, source, preset_for(chosen, volume), chosen.technique, chosen.settings)
+    look = None if adds else best_look(volume)
+    function = TransferFunction.auto(volume) if look is None else look.transfer_function
+    layer = ImageLayer(key.ref, function, volume.name, channel=key.channel, time=key.time)
+    return Opened(key, volume, source, (layer,), look)
 
 
 def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
@@ -134,16 +131,18 @@ def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
     import volviz.io
 
     return volviz.io.open(
-        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(ref.hints)
+        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(whole_of(ref).hints)
     )
 
 
 def read_volume(source: VolumeSource, key: VolumeKey, task: Task) -> Volume:
     """The values that a key names."""
+    level, box = shown_part(source, key.ref)
     return source.read(
-        source.default_level,
+        level,
         time=key.time,
         channel=key.channel,
+        box=box,
         cancel=lambda: task.is_cancelled,
         progress=task.report,
     )
@@ -160,7 +159,7 @@ def _whole_scene(scene: Scene, source: VolumeSource, key: VolumeKey, volume: Vol
             volumes[other] = read_volume(sources[other.ref], other, task)
     layers = tuple(editable(layer, volumes[layer.key]) for layer in scene.layers)
     scene = replace(scene, layers=layers)
-    return Opened(key, volume, source, TransferFunction.auto(volume), scene=scene, others=volumes)
+    return Opened(key, volume, source, scene=scene, others=volumes)
 
 
 def editable(layer: Layer, volume: Volume) -> Layer:
@@ -177,7 +176,7 @@ def _labels_of(source: VolumeSource, key: VolumeKey, volume: Volume) -> Opened:
     colors = {label.number: label.color for label in source.labels if label.color is not None}
     names = {label.number: label.name for label in source.labels if label.name}
     layer = LabelLayer(key.ref, colors, names, name=volume.name, channel=key.channel, time=key.time)
-    return Opened(key, volume, source, TransferFunction.auto(volume), layers=(layer,))
+    return Opened(key, volume, source, (layer,))
 
 
 def has_channels(source: VolumeSource | None) -> bool:
@@ -200,27 +199,7 @@ def open_channels(key: VolumeKey, source: VolumeSource, task: Task) -> Opened:
         name = known.name or f"Channel {number + 1}"
         layers.append(ImageLayer(key.ref, function, name, channel=number, time=key.time))
     first = replace(key, channel=0)
-    function = layers[0].transfer_function or TransferFunction.auto(volumes[first])
-    return Opened(first, volumes[first], source, function, layers=tuple(layers), others=volumes)
-
-
-def layers_of(opened: Opened) -> tuple[Layer, ...]:
-    """What a file becomes in the scene."""
-    if opened.layers:
-        return opened.layers
-    key = opened.key
-    name = opened.volume.name
-    return (ImageLayer(key.ref, opened.transfer_function, name, channel=key.channel, time=key.time),)
-
-
-def suggested_preset(ref: VolumeRef) -> str | None:
-    """The preset that a bundled sample looks best with."""
-    if not ref.source.startswith(SAMPLE_PREFIX):
-        return None
-    from volviz.io.samples import samples
-
-    wanted = ref.source.removeprefix(SAMPLE_PREFIX)
-    return next((sample.preset for sample in samples() if sample.id == wanted), None)
+    return Opened(first, volumes[first], source, tuple(layers), others=volumes)
 
 
 def scene_with(scene: Scene, opened: Opened) -> Scene:
@@ -231,6 +210,6 @@ def scene_with(scene: Scene, opened: Opened) -> Scene:
     clipping = replace(scene.clipping, crop=None, planes=())
     light = replace(scene.light, position=None)
     changed = replace(
-        scene, layers=layers_of(opened), active_layer=0, views=views, clipping=clipping, light=light
+        scene, layers=opened.layers, active_layer=0, views=views, clipping=clipping, light=light
     )
-    return changed if opened.technique is None else with_look(changed, opened.technique, opened.settings)
+    return changed if opened.look is None else with_look(changed, opened.look)

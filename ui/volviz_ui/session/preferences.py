@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from PySide6.QtCore import QByteArray, QSettings
 
 from volviz.volume_data.references import VolumeKey, VolumeRef
+from volviz_ui.session.time_player import Repeat
 from volviz_ui.style.theme import Choice
 
 RECENT_LIMIT = 12
@@ -47,6 +48,28 @@ class Preferences:
     @quality.setter
     def quality(self, value: str) -> None:
         self._settings.setValue("quality", value)
+
+    def budget(self, what: str) -> int | None:
+        """Bytes of "memory" or "texture" that a volume may take; None leaves it to the program."""
+        try:
+            count = int(str(self._settings.value(f"budgets/{what}", 0)))
+        except ValueError:
+            return None
+        return count if count > 0 else None
+
+    def set_budget(self, what: str, count: int | None) -> None:
+        """Remember it."""
+        self._settings.setValue(f"budgets/{what}", count or 0)
+
+    @property
+    def repeat(self) -> Repeat:
+        """What follows the last time point."""
+        value = str(self._settings.value("repeat", "loop"))
+        return cast("Repeat", value if value in get_args(Repeat) else "loop")
+
+    @repeat.setter
+    def repeat(self, value: Repeat) -> None:
+        self._settings.setValue("repeat", value)
 
     @property
     def window(self) -> tuple[QByteArray, QByteArray] | None:

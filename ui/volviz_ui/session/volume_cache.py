@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import OrderedDict
 
 from volviz.volume_data.references import VolumeKey
+from volviz.volume_data.scalars import held_bytes
 from volviz.volume_data.volume import Volume
 
 DEFAULT_BUDGET = 1 << 30
-"""Bytes of arrays that are kept."""
+"""Bytes that are kept."""
 
 
 class VolumeCache:
@@ -19,7 +20,7 @@ class VolumeCache:
     Parameters
     ----------
     budget : int
-        Bytes of arrays to keep. The volume used last stays, however large it is.
+        Bytes to keep, of values and of the texels made of them. The volume used last stays, however large it is.
     """
 
     def __init__(self, budget: int = DEFAULT_BUDGET) -> None:
@@ -45,8 +46,8 @@ class VolumeCache:
 
     @property
     def size(self) -> int:
-        """Bytes of all arrays."""
-        return sum(volume.array.nbytes for volume in self._volumes.values())
+        """Bytes of all values and of the texels made of them."""
+        return sum(held_bytes(volume) for volume in self._volumes.values())
 
     def clear(self) -> None:
         """Forget all volumes."""

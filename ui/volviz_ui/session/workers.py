@@ -102,6 +102,7 @@ class Gate(QObject):
         self._timer.setInterval(self.TIMEOUT_MS)
         self._timer.timeout.connect(self.open)
         self.is_open = True
+        self.is_held = False
 
     def shut(self) -> None:
         """Something urgent begins."""
@@ -111,9 +112,18 @@ class Gate(QObject):
     def open(self) -> None:
         """It is over; a second call does nothing."""
         self._timer.stop()
-        if not self.is_open:
+        if not self.is_open and not self.is_held:
             self.is_open = True
             self.opened.emit()
+
+    def hold(self) -> None:
+        """Keep it shut until `release`, whatever has been drawn: time runs."""
+        self.is_held, self.is_open = True, False
+
+    def release(self) -> None:
+        """It opens again with the next full image, or when its time is over."""
+        self.is_held = False
+        self._timer.start()
 
 
 class Workers(QObject):
@@ -186,6 +196,11 @@ class Workers(QObject):
         for task, other in self._tasks.items():
             if other == key:
                 task.cancel()
+        # what waits at the gate ends at once: it would keep its data until the gate is opened
+        dropped = [task for task, other in self._waiting if other == key and task.is_cancelled]
+        self._waiting = [pair for pair in self._waiting if pair[0] not in dropped]
+        for task in dropped:
+            task.begin(self._pool, None)
 
     @property
     def is_busy(self) -> bool:

@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz.custom_gl.scene_techniques import with_look
+from volviz.custom_gl.scene_techniques import with_technique
 from volviz.errors import VolvizError
 from volviz.model.transfer.channels import simplified, with_ramp
 from volviz.model.transfer.formats import colormap_colors, read_preset_file, write_transfer_function
@@ -106,14 +106,14 @@ class PresetCommands(QObject):
             return
         technique, values = preset.technique, preset.settings
         try:
-            with_look(model.store.scene, technique, values)
+            with_technique(model.store.scene, technique, values)
         except VolvizError as error:
             self.failed.emit(error)
             model.apply(function, label, ())
             return
         model.select(())
         model.store.update(
-            lambda scene: with_look(scene.with_layer(transfer_function=function), technique, values),
+            lambda scene: with_technique(scene.with_layer(transfer_function=function), technique, values),
             label=label,
         )
 

@@ -172,6 +172,11 @@ class ViewController(QObject):
         waits = self._viewport.awaits_frame or busy or self.is_interacting
         return bool(self.handle.status.complete) and not waits
 
+    @property
+    def shows_present(self) -> bool:
+        """Whether the viewport shows an image of the present scene, in whatever quality."""
+        return self.handle is None or (self.handle.shows_present and not self._viewport.awaits_frame)
+
     def opaque_depth(self, column: int, row: int) -> float | None:
         """Window depth of opaque geometry at a device pixel of the viewport, from the upper left; None = nothing."""
         return None if self.handle is None else self.handle.opaque_depth(column, row)

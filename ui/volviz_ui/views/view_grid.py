@@ -17,6 +17,7 @@ from volviz.model.store import Store
 from volviz.model.view_edits import with_active, with_comparison
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.session.time_player import Preparation
 from volviz_ui.views.annotations import background_image
 from volviz_ui.views.difference_image import Bytes, over
 from volviz_ui.views.view_layout import ViewLayout
@@ -97,6 +98,20 @@ class ViewGrid(QWidget):
     def is_complete(self) -> bool:
         """Whether every image that is shown is the complete one of the present scene."""
         return all(view_widget.controller.is_complete for view_widget in self.shown_view_widgets)
+
+    @property
+    def show_present(self) -> bool:
+        """Whether every view that can be seen shows the present scene, in whatever quality."""
+        return all(
+            view_widget.controller.shows_present
+            for view_widget in self.shown_view_widgets
+            if not view_widget.viewport.is_covered
+        )
+
+    def preparations(self) -> list[Preparation]:
+        """What computes, on any thread, what the views need of other volumes before they can draw them."""
+        handles = [view_widget.controller.handle for view_widget in self.view_widgets]
+        return [handle.preparation() for handle in handles if handle is not None]
 
     def _add_view_widget(self) -> ViewWidget:
         view_widget = ViewWidget(self, self._store, self._documents, len(self.view_widgets))

@@ -15,6 +15,7 @@ from volviz.custom_gl.gpu.programs import Program, ProgramCache
 from volviz.custom_gl.gpu.targets import TargetPool
 from volviz.custom_gl.shader_source import GLSL
 from volviz.errors import RenderError
+from volviz.volume_data.budgets import budgets
 
 #: Words in the renderer's name that give software OpenGL away.
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "swr")
@@ -79,13 +80,8 @@ class Gpu:
 
     @property
     def max_texture_bytes(self) -> int:
-        """Largest size of one volume texture in bytes (``VOLVIZ_TEXTURE_MB`` overrides it)."""
-        text = os.environ.get("VOLVIZ_TEXTURE_MB", "2048")
-        if not text.isdigit() or int(text) < 1:
-            raise RenderError(
-                f"VOLVIZ_TEXTURE_MB must be a whole number of megabytes, at least 1, got {text!r}."
-            )
-        return int(text) * 2**20
+        """Largest size of one volume texture in bytes, as the user allows (`volviz.volume_data.budgets`)."""
+        return budgets().texture_bytes
 
     @cached_property
     def filters_bytes_precisely(self) -> bool:

@@ -100,7 +100,8 @@ class VolumeResources:
         self._has_corners = pack is None and takes_corners(gpu, volume)
         self._uploaded = 0
         self._pack = pack
-        self.scalars = self._empty_scalars(self.texels) if pack is None else pack.texture
+        #: Made when something is written into it: of a time point that passes, coarser levels alone are drawn.
+        self.scalars: Any = None if pack is None else pack.texture
         self._levels: dict[int, tuple[TextureData, Any]] = {0: (self.texels, self.scalars)}
         self._tables: dict[str, tuple[Any, Any]] = {}
         self._distances: dict[str, tuple[Any, Any]] = {}
@@ -134,6 +135,9 @@ class VolumeResources:
         max_bytes : int, optional
             Stop after about that many bytes; None uploads everything.
         """
+        if not self.complete and self._levels[0][1] is None:
+            full = self._levels[0][0]
+            self._levels[0] = (full, self._empty_scalars(full))
         data, texture = self._levels[0][0].data, self._levels[0][1]
         plane = data[0].nbytes * (CORNERS if self._has_corners else 1)
         done = 0
@@ -156,6 +160,11 @@ class VolumeResources:
     def full_factor(self) -> tuple[int, int, int]:
         """Voxels per texel along (x, y, z) at the finest level; above 1 when the volume did not fit."""
         return self._levels[0][0].factor
+
+    @property
+    def finest(self) -> int:
+        """Number of the finest level of detail that can be drawn: the full one when all of it is uploaded."""
+        return 0 if self.complete else min(1, self.coarsest)
 
     @property
     def coarsest(self) -> int:
@@ -419,7 +428,7 @@ class VolumeResources:
     def release(self) -> None:
         """Release all textures but those of a pack; the context must be current."""
         for _, texture in self._levels.values():
-            if self._pack is None:
+            if self._pack is None and texture is not None:
                 texture.release()
         self._levels.clear()
         for cache in (self._tables, self._distances):

@@ -15,7 +15,8 @@ from volviz.errors import InputError
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
-from volviz.model.render_spec import DEFAULT_TECHNIQUE, RenderSpec
+from volviz.model.looks.look import Look
+from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.source import VolumeSource
@@ -25,7 +26,7 @@ from volviz.volume_data.volume import Volume
 def add_volume(
     plotter: Any,
     volume: Volume | VolumeSource | ImageLayer | LabelLayer | Sequence[ImageLayer | LabelLayer],
-    technique: str = DEFAULT_TECHNIQUE,
+    technique: str | None = None,
     *,
     transfer_function: TransferFunction | None = None,
     settings: Any = None,
@@ -33,6 +34,7 @@ def add_volume(
     clipping: Clipping | None = None,
     classic: bool = False,
     surface_colors: SurfaceColors | None = None,
+    look: Look | str | None = None,
     pacer: FrameScheduler | None = None,
     **values: Any,
 ) -> VolumeHandle:
@@ -44,8 +46,8 @@ def add_volume(
         Where to show it; the volume goes into its active renderer.
     volume : Volume, VolumeSource, ImageLayer or sequence of layers
         What to show. Several visible layers are drawn in one ray integral, by techniques that can.
-    technique : str, default: "raycast"
-        Id of a technique (`volviz.techniques`).
+    technique : str, optional
+        Id of a technique (`volviz.techniques`); the default is that of the look, without one "raycast".
     transfer_function : TransferFunction, optional
         Of a volume; the default is made from its histogram.
     settings : object, optional
@@ -60,6 +62,9 @@ def add_volume(
         complete.
     surface_colors : SurfaceColors, optional
         Values that the surface is coloured by, for techniques that draw triangles.
+    look : Look or str, optional
+        One of `volviz.looks`, or its id, "best" for the first of them: brings technique, settings, function and a
+        light from the upper left. What is given beside it counts more.
     **values
         Single settings by name, `headlight`, `light_position`, `light_color`, `crop` and `clip_planes`
         included.
@@ -77,7 +82,7 @@ def add_volume(
     """
     spec = spec_of(
         volume, technique, transfer_function=transfer_function, settings=settings, light=light,
-        clipping=clipping, classic=classic, surface_colors=surface_colors, **values,
+        clipping=clipping, classic=classic, surface_colors=surface_colors, look=look, **values,
     )  # fmt: skip
     return add_spec(plotter, spec, pacer=pacer)
 

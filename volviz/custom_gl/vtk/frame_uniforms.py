@@ -140,12 +140,13 @@ def level_of_detail(frame: Frame) -> int:
     if frame.joint is not None:
         # layers that share a texture have one level
         return 0
+    finest = frame.resources.finest
     moving = frame.interactive and frame.gpu.limits.software
     if not moving and not frame.common.mipmaps:
-        return 0
+        return finest
     if frame.common.interpolation == "nearest":
         # labels must not be averaged
         return 0
     voxels = pixel_size(frame) / frame.volume.mean_spacing
     level = math.floor(math.log2(max(voxels, 1e-9)) + (0.0 if moving else 0.5))
-    return min(max(level, 0), frame.resources.coarsest)
+    return min(max(level, finest), frame.resources.coarsest)

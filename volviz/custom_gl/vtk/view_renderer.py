@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.vtk.compositing import ImageKey, PooledTargets, RenderedImage, area_of, composite
 from volviz.custom_gl.vtk.frame_scheduling import (
     FULL,
+    LEVELS,
     CostModel,
     FrameScheduler,
     FrameStatus,
@@ -32,6 +33,7 @@ from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
 from volviz.custom_gl.vtk.window_gpu import VolumeTextures, WindowGpu, acquire, give_back
 from volviz.errors import RenderError
 from volviz.tasks import BackgroundTask
+from volviz.volume_data.volume import Volume
 
 #: A turn of an event loop may be held up so long by a full image.
 TURN_SECONDS = 0.03
@@ -44,6 +46,8 @@ TILES = ((512, 128), (512, 64), TILE, (128, 64))
 PART_OF_TURN = 0.6
 #: Seconds of upload within a frame, so that a gesture that begins too early does not stay blind.
 UPLOAD_SECONDS = 0.03
+#: The same where a coarser level of the scalars is drawn meanwhile.
+UPLOAD_SECONDS_BESIDE = 0.008
 #: Images that are not interrupted are drawn in one piece.
 AT_ONCE_TILE = (16384, 16384)
 #: A full image that is expected to take less than this is drawn at once instead of refined.
@@ -107,6 +111,8 @@ class ViewRenderer:
         self._accumulation = Accumulation(id(self))
         self._interacting = 0
         self._waits = self._has_news = False
+        #: What is shown lies where what was shown before did: another time point, until whose picture that one stays.
+        self._follows = False
         self._cost = CostModel()
         self._depth = SceneDepth()
         self._targets = PooledTargets(id(self))
@@ -135,6 +141,22 @@ class ViewRenderer:
         return " ".join(word for word in words if word)
 
     @property
+    def shows_present(self) -> bool:
+        """Whether the image at hand, of whatever quality, is one of the present values."""
+        return self._image is not None and self._image.key.revision == self._revision
+
+    def preparation(self) -> Callable[[Sequence[Volume], Sequence[Volume]], None]:
+        """What computes, on any thread, all that images of other volumes need before their textures can be made.
+
+        Returns
+        -------
+        callable(images, labels)
+            For volumes that are going to be shown in the place of the present ones.
+        """
+        self.window.MakeCurrent()
+        return self._textures.preparation(self._shown)
+
+    @property
     def is_waiting(self) -> bool:
         """Whether nothing more can be drawn before a task in the background has ended; then the pacer is woken."""
         return self._waits
@@ -160,7 +182,9 @@ class ViewRenderer:
     def _show_instead(self, shown: ResolvedSpec) -> None:
         """Draw this from now on."""
         before, self._shown = self._shown, shown
-        if shown.info.id != before.info.id or shown.volumes != before.volumes:
+        if shown.volumes != before.volumes:
+            self._follows = shown.lies_like(before)
+        if shown.info.id != before.info.id or (shown.volumes != before.volumes and not self._follows):
             self._cost.forget()
         if shown.info.id != before.info.id:
             self._runner.retire()
@@ -306,6 +330,20 @@ class ViewRenderer:
         self._report_waiting(None)
         return False
 
+    def _can_draw(self) -> bool:
+        """Upload for a moment; whether an image can be drawn then, of all scalars or of a coarser level of them."""
+        textures = self._textures
+        coarsely = self._follows and self.quality != "full" and textures.draw_coarsely(self._shown)
+        if coarsely and self._interacting and self.gpu.limits.software:
+            # there the full scalars take longer than the frame may
+            return True
+        if textures.upload(self._shown, UPLOAD_SECONDS_BESIDE if coarsely else UPLOAD_SECONDS) or coarsely:
+            return True
+        if self._interacting and self.scheduler is not None:
+            # at rest the frame scheduler goes on by itself
+            self.scheduler.wake(self)
+        return False
+
     def draw_chunk(self, frame: Frame, chunk: int) -> None:
         """Let the technique draw one of them."""
         self._runner.draw(self._shown.info, frame, chunk)
@@ -332,16 +370,13 @@ class ViewRenderer:
     def _draw_what_is_due(self) -> None:
         """Make sure that there is an image of the present state, at the resolution that time allows."""
         has_news, self._has_news = self._has_news, False
-        if self.scheduler is not None and not self._can_make_textures():
-            self._image = None
+        if self.scheduler is not None and not (self._can_make_textures() and self._can_draw()):
+            if not self._follows:
+                self._image = None
             self.scheduler.request(self)
             return
         if self.scheduler is None:
             self._textures.of(self._shown).upload()
-        elif not self._textures.upload(self._shown, UPLOAD_SECONDS):
-            self._image = None
-            self.scheduler.request(self)
-            return
         key = self._key()
         has_news = has_news and self._interacting > 0
         if self._image is not None and self._image.key == key and not has_news:
@@ -357,6 +392,8 @@ class ViewRenderer:
         expected = self._cost.full_seconds
         if not self._interacting and expected is not None and expected <= AT_ONCE_SECONDS * self.share:
             level = FULL
+        if level == FULL and not self._textures.of(self._shown).complete:
+            level = LEVELS[1]
         self._draw_at(level, key)
         if not self._interacting and (level != FULL or (self.status.complete and self._more_images(key))):
             self.scheduler.request(self)
@@ -497,6 +534,25 @@ class ViewRenderer:
         if self.error is not None:
             raise self.error
 
+    def present_image(self) -> Any:
+        """The image that is shown now, at whatever resolution it was drawn: as `read_image`.
+
+        Raises
+        ------
+        RenderError
+            Nothing has been drawn yet.
+        """
+        if self._image is None or self._image.target.released:
+            raise RenderError("there is no picture yet; wait until the plotter has been drawn.")
+        self.window.MakeCurrent()
+        with self._gpu.foreign():
+            return self._pixels(self._image.target)
+
+    @staticmethod
+    def _pixels(target: Target) -> Any:
+        width, height = target.size
+        return np.frombuffer(target.color.read(), np.float32).reshape(height, width, 4)[::-1].copy()
+
     def read_image(self, *, averaged: bool = False) -> Any:
         """The finished full image without VTK's: shape (H, W, 4), float32, premultiplied, row 0 at the top.
 
@@ -525,9 +581,7 @@ class ViewRenderer:
         with self._gpu.foreign():
             average = self._accumulation.average(image.key) if averaged else None
             target, count = average or (image.target, 1)
-            width, height = target.size
-            data = target.color.read()
-        pixels = np.frombuffer(data, np.float32).reshape(height, width, 4)[::-1].copy()
+            pixels = self._pixels(target)
         return pixels if count == 1 else pixels / np.float32(count)
 
     def opaque_depth(self, column: int, row: int) -> float | None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from volviz.custom_gl.gpu.context import Gpu
@@ -140,7 +141,7 @@ class NoTextures:
     """Always complete; every level is the full one."""
 
     complete = True
-    coarsest = 0
+    finest = coarsest = 0
 
     def upload(self, max_bytes: int | None = None) -> bool:
         """There is nothing to upload."""
@@ -153,6 +154,14 @@ class NoTextures:
 
 NO_TEXTURES = NoTextures()
 Textures = VolumeResources | LayerResources | NoTextures
+
+
+def _prepare(gpu: Gpu, images: Sequence[Volume], labels: Sequence[Volume], *, alone: bool) -> None:
+    """Compute what textures of volumes are made of; needs no context."""
+    for volume in images:
+        prepare(volume, *texel_limits(gpu, volume, alone=alone))
+    for volume in labels:
+        label_indices_of(volume)
 
 
 def _images_and_labels(shown: ResolvedSpec) -> tuple[tuple[Volume, ...], tuple[Volume, ...]]:
@@ -194,22 +203,31 @@ class VolumeTextures:
             return True
         images, labels = _images_and_labels(shown)
         alone = len(images) == 1 and not labels
-        limits = tuple(
-            (volume, *texel_limits(self._window_gpu.gpu, volume, alone=alone)) for volume in images
-        )
+        gpu = self._window_gpu.gpu
+        limits = tuple((volume, *texel_limits(gpu, volume, alone=alone)) for volume in images)
         if all(is_prepared(*each) for each in limits) and all(map(are_labels_known, labels)):
             # or it would keep the volume that was prepared before this one
             self._prepared.clear()
             return True
 
         def made(_progress: object, _cancel: object) -> bool:
-            for each in limits:
-                prepare(*each)
-            for volume in labels:
-                label_indices_of(volume)
+            _prepare(gpu, images, labels, alone=alone)
             return True
 
         return self._prepared.get(self.tasks, (limits, labels), made) is not None
+
+    def preparation(self, shown: ResolvedSpec) -> Callable[[Sequence[Volume], Sequence[Volume]], None]:
+        """What computes the texels and bricks of volumes that are shown next, in the place of those that are now."""
+        if not shown.info.uses_textures:
+            return lambda _images, _labels: None
+        return partial(_prepare, self._window_gpu.gpu, alone=not shown.is_joint)
+
+    def draw_coarsely(self, shown: ResolvedSpec) -> bool:
+        """Let images be drawn from a coarser level until all is uploaded; whether there is one that can be."""
+        textures = self.of(shown)
+        if not isinstance(textures, VolumeResources) or shown.common.interpolation == "nearest":
+            return False
+        return textures.coarsest > 0
 
     def of(self, shown: ResolvedSpec) -> Textures:
         """The textures of what is shown, made if need be; those of other volumes are given back."""
@@ -242,7 +260,7 @@ class VolumeTextures:
         blocks = " x ".join(str(n) for n in self._held.full_factor)
         return (
             f"This volume is larger than the graphics memory or its largest texture allows: blocks of {blocks} "
-            "voxels (x, y, z) are drawn as one; crop the file or raise VOLVIZ_TEXTURE_MB to see all of it."
+            "voxels (x, y, z) are drawn as one; crop the file or raise the budget of textures to see all of it."
         )
 
     def close(self) -> None:

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import gzip
+import io
 import os
 import warnings
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import IO
 
 #: A folder is given up after so many files: a home folder must not take minutes.
 FILES_AT_MOST = 200_000
 FOLDERS_DEEP = 16
 DIRECTORY_NAME = "DICOMDIR"
+
+_GZIP = b"\x1f\x8b"
+_HEAD = 512
 
 
 def sniff(head: bytes, path: Path) -> bool:
@@ -70,12 +77,41 @@ def files_below(folder: Path, at_most: int = FILES_AT_MOST) -> Iterator[Path]:
                 continue
             tried += 1
             try:
-                with path.open("rb") as stream:
-                    head = stream.read(512)
-            except OSError:
+                head = _head(path)
+            except (OSError, EOFError, zlib.error):
                 continue
             if looks_like_dicom(head):
                 yield path
+
+
+def _head(path: Path) -> bytes:
+    """First bytes of a file, unpacked where gzip has packed it."""
+    with path.open("rb") as stream:
+        head = stream.read(_HEAD)
+        if not head.startswith(_GZIP):
+            return head
+        stream.seek(0)
+        return gzip.GzipFile(fileobj=stream).read(_HEAD)
+
+
+def opened(path: Path) -> IO[bytes]:
+    """A file for reading, one that gzip has packed unpacked in memory: slices are small.
+
+    Raises
+    ------
+    OSError
+        Damaged or cut off, too.
+    """
+    stream = path.open("rb")
+    if stream.read(2) != _GZIP:
+        stream.seek(0)
+        return stream
+    with stream:
+        stream.seek(0)
+        try:
+            return io.BytesIO(gzip.GzipFile(fileobj=stream).read())
+        except (EOFError, zlib.error) as error:
+            raise gzip.BadGzipFile(str(error)) from None
 
 
 def has_more_files(folder: Path, than: int = FILES_AT_MOST) -> bool:

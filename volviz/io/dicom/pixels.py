@@ -10,6 +10,7 @@ import numpy as np
 
 from volviz.io.axes import brightness, choose
 from volviz.io.dicom.codecs import register
+from volviz.io.dicom.finding import opened
 from volviz.io.scaling import rescaled
 
 if TYPE_CHECKING:
@@ -81,7 +82,8 @@ def _decoded(request: LoadRequest, file: ImageFile, numbers: list[int]) -> Itera
     with warnings.catch_warnings(), disable_value_validation():
         warnings.simplefilter("ignore")
         try:
-            data = pydicom.dcmread(file.path, force=True)
+            with opened(file.path) as stream:
+                data = pydicom.dcmread(stream, force=True)
             if "TransferSyntaxUID" not in data.file_meta:
                 # a file without meta information: the form was seen while it was read
                 data.file_meta.TransferSyntaxUID = _syntax(data)

@@ -48,9 +48,10 @@ def could_be_a_volume(dataset: h5py.Dataset) -> bool:
     """Whether it has three axes or more, with numbers."""
     shape = dataset.shape
     return (
-        shape is not None
-        and dataset.dtype.kind in "buifc"
-        and 3 <= len(shape) <= 5
-        and min(shape) > 0
-        and sum(n > 1 for n in shape) >= 3
+        is_of_numbers(dataset) and 3 <= len(shape) <= 5 and min(shape) > 0 and sum(n > 1 for n in shape) >= 3
     )
+
+
+def is_of_numbers(owner: Any) -> bool:
+    """Whether this is a data set that holds numbers."""
+    return getattr(owner, "shape", None) is not None and owner.dtype.kind in "buifc"

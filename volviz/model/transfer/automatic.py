@@ -9,14 +9,16 @@ two steps found.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from volviz.kernels.histogram import even_histogram
 from volviz.model.transfer.first_look import FirstLook, Floats
 from volviz.model.transfer.function import Color, ControlPoint, TransferFunction
+from volviz.model.transfer.label_values import commonest, label_values
+from volviz.model.transfer.levels import LEAST_COVERAGE, Levels, is_dark_on_bright, levels_of
+from volviz.model.transfer.presets import offset_of_hu
 
 if TYPE_CHECKING:
     from volviz.volume_data.volume import Volume
@@ -25,12 +27,6 @@ if TYPE_CHECKING:
 TARGET_COVERED, TARGET_LOW, TARGET_HIGH = 0.88, 0.2, 0.68
 #: Mean alpha of the veil over the box of data with next to nothing in them.
 VEIL = 0.14
-#: Share of rays that must meet something, or the threshold is lowered.
-LEAST_COVERAGE = 0.04
-#: Share of the variance between two classes above which they count as two materials.
-TWO_CLASSES = 0.8
-#: Distinct values up to which whole numbers are taken for labels.
-MOST_LABELS = 64
 #: Largest opacity of a control point.
 MOST_OPAQUE = 0.95
 #: Largest opacity of the faintest control point that shows anything.
@@ -92,16 +88,16 @@ def _of_data(volume: Volume) -> TransferFunction:
     look = FirstLook.at(volume)
     if look is None:
         return _of_constant(volume.data_range[0], min(volume.dimensions))
-    labels = _labels(look)
+    labels = label_values(look)
     if labels is not None:
         return _calibrated(_of_labels(labels, look), look)
-    offset = _offset_of_hu(volume)
+    offset = offset_of_hu(volume)
     if offset is not None:
         return _calibrated(_of_ct(look, offset), look)
-    if _is_dark_on_bright(look):
+    if is_dark_on_bright(look):
         mirrored = look.mirrored()
-        return _mirrored(_calibrated(_of_levels(_levels(mirrored), mirrored), mirrored))
-    return _calibrated(_of_levels(_levels(look), look), look)
+        return _mirrored(_calibrated(_of_levels(levels_of(mirrored), mirrored), mirrored))
+    return _calibrated(_of_levels(levels_of(look), look), look)
 
 
 def _without_no_data(function: TransferFunction, volume: Volume) -> TransferFunction:
@@ -128,36 +124,9 @@ def ramp_color(fraction: float) -> Color:
 # ---------------------------------------------------------------------- labels
 
 
-def _labels(look: FirstLook) -> Floats | None:
-    """The distinct values when the data look like a label map: few whole numbers in flat patches."""
-    if not look.integer:
-        return None
-    distinct = np.unique(look.values)
-    if not 2 <= len(distinct) <= MOST_LABELS:
-        return None
-    if len(distinct) == 2:
-        return distinct
-    inside = look.values != _commonest(look.shell)
-    if not inside.any() or (look.gradient[inside] == 0).mean() < 0.25:
-        return None
-    # A smooth field of few grey levels changes by one level at a time; labels meet in any order.
-    if len(distinct) > 8:
-        ranks = np.searchsorted(distinct, look.values)
-        jumps = np.concatenate([np.abs(np.diff(ranks, axis=axis)).ravel() for axis in range(3)])
-        jumps = jumps[jumps > 0]
-        if (jumps == 1).mean() > 0.8:
-            return None
-    return distinct
-
-
-def _commonest(values: Floats) -> float:
-    distinct, counts = np.unique(values, return_counts=True)
-    return float(distinct[np.argmax(counts)])
-
-
 def _of_labels(labels: Floats, look: FirstLook) -> TransferFunction:
     """One flat piece per label; the commonest value on the surface of the box is left out."""
-    background = _commonest(look.shell)
+    background = commonest(look.shell)
     points: list[ControlPoint] = []
     shown = 0
     for i, label in enumerate(labels):
@@ -179,128 +148,11 @@ def _of_labels(labels: Floats, look: FirstLook) -> TransferFunction:
 # ---------------------------------------------------------------------- levels of grey data
 
 
-@dataclass(frozen=True)
-class _Levels:
-    """Where opacity starts, where it steps up, and where the data end; ascending."""
-
-    start: float
-    steps: tuple[float, ...]
-    end: float
-
-
-def _levels(look: FirstLook) -> _Levels:
-    low, high = look.low, look.high
-    background, scatter = _background(look)
-    start = background + max(4.0 * scatter, 0.02 * (high - low))
-    # Noise about the background must not become a fog: half way to the best single cut, while enough stays.
-    cut = _otsu(look.values.ravel(), None, 1)
-    if cut and scatter > 0 and start < cut[0] and look.coverage(cut[0]) >= 0.35:
-        start = max(start, background + 0.5 * (cut[0] - background))
-    # Two materials that both reach the surface of the box widen what looks like the scatter of one.
-    if cut and start > cut[0] and _separability(look.values / look.scale, cut[0] / look.scale) > TWO_CLASSES:
-        start = cut[0]
-    if np.count_nonzero(look.values > start) < 32 and start > low:
-        start = low + 0.35 * (high - low)
-    for _ in range(8):
-        if look.coverage(start) >= LEAST_COVERAGE:
-            break
-        start = low + 0.7 * (start - low)
-    chosen = look.values > start
-    if not chosen.any():
-        return _Levels(low, (0.5 * (low + high),), high)
-    values = look.values[chosen]
-    end = float(max(np.quantile(values, 0.995), min(high, values.max())))
-    if not start < end:
-        end = start + max(1e-6 * abs(start), 1e-12)
-    chosen &= look.values <= end
-    cuts = _otsu(look.values[chosen], _weights(look.gradient[chosen]), 2)
-    inner = tuple(c for c in cuts if start + 0.03 * (end - start) < c < start + 0.97 * (end - start))
-    return _Levels(start, inner or (start + 0.4 * (end - start), start + 0.7 * (end - start)), end)
-
-
-def _background(look: FirstLook) -> tuple[float, float]:
-    """Commonest value on the surface of the box, and how far the surface scatters about it.
-
-    The surface of a box that the object fills is no background: the lowest value is taken then.
-    """
-    low, high = look.low, look.high
-    counts, edges = even_histogram(look.shell, 128, low, high)
-    peak = int(np.argmax(np.convolve(counts, (0.25, 0.5, 0.25), mode="same")))
-    center = float(edges[peak] + edges[peak + 1]) / 2
-    width, middle, scatter = 0.08 * (high - low), center, 0.0
-    for _ in range(4):
-        # Noise wider than the window is cut off by it and looks narrower: widen until it fits.
-        near = look.shell[np.abs(look.shell - middle) <= width]
-        if not len(near):
-            break
-        middle = float(np.median(near))
-        scatter = 1.4826 * float(np.median(np.abs(near - middle)))
-        if 3.5 * scatter <= width:
-            break
-        width = min(3.5 * scatter, 0.5 * (high - low))
-    share = float((np.abs(look.shell - middle) <= width).mean())
-    if share < 0.35 or middle > low + 0.6 * (high - low):
-        return low, 0.0
-    return middle, scatter
-
-
-def _is_dark_on_bright(look: FirstLook) -> bool:
-    """Whether the surface of the box is bright and what lies inside is darker, as in transmitted light."""
-    middle = float(np.median(look.shell))
-    span = look.high - look.low
-    flat = float((np.abs(look.shell - middle) <= 0.1 * span).mean())
-    darker = float((look.values < middle - 0.15 * span).mean())
-    brighter = float((look.values > middle + 0.15 * span).mean())
-    return middle > look.low + 0.6 * span and flat > 0.6 and darker > 0.01 and darker > 3 * brighter
-
-
 def _mirrored(function: TransferFunction) -> TransferFunction:
     return replace(function, points=tuple(replace(p, value=-p.value) for p in reversed(function.points)))
 
 
-def _weights(gradient: Floats) -> Floats:
-    """Borders of materials count more than their insides, but no voxel more than 8 times the mean."""
-    scale = float(gradient.mean()) if len(gradient) else 0.0
-    return np.minimum(0.25 + (gradient / scale if scale > 0 else 1.0 + 0.0 * gradient), 8.0)
-
-
-def _otsu(values: Floats, weights: Floats | None, cuts: int, bins: int = 64) -> tuple[float, ...]:
-    """One or two thresholds between classes of least variance within (Otsu 1979), exhaustively."""
-    if len(values) < 2:
-        return ()
-    low, high = (float(v) for v in np.quantile(values, (0.001, 0.999)))
-    if not low < high or not np.isfinite(high - low):
-        return ()
-    histogram, edges = even_histogram(values, bins, low, high, weights)
-    # Positions in bins instead of values: no overflow however large the values are.
-    mass = np.concatenate([[0.0], np.cumsum(histogram)])
-    moment = np.concatenate([[0.0], np.cumsum(histogram * np.arange(bins))])
-
-    def between(i: Any, j: Any) -> Any:
-        m = np.asarray(mass[j] - mass[i])
-        return np.divide((moment[j] - moment[i]) ** 2, m, out=np.zeros_like(m), where=m > 0)
-
-    if cuts == 1:
-        i = np.arange(1, bins)
-        return (float(edges[int(i[np.argmax(between(0, i) + between(i, bins))])]),)
-    i, j = np.triu_indices(bins, 1)
-    i, j = i[i >= 1], j[i >= 1]
-    k = int(np.argmax(between(0, i) + between(i, j) + between(j, bins)))
-    return float(edges[i[k]]), float(edges[j[k]])
-
-
-def _separability(values: Floats, cut: float) -> float:
-    """Share of the variance that lies between the two sides of a cut: 0.64 of one normal distribution."""
-    above = values > cut
-    share = float(above.mean())
-    total = float(np.var(values))
-    if not 0.0 < share < 1.0 or total == 0.0:
-        return 0.0
-    apart = float(values[above].mean() - values[~above].mean())
-    return share * (1.0 - share) * apart**2 / total
-
-
-def _of_levels(levels: _Levels, look: FirstLook) -> TransferFunction:
+def _of_levels(levels: Levels, look: FirstLook) -> TransferFunction:
     """Opacity rises in steps at the levels; colours run from cool and dark to warm and light."""
     stations = (levels.start, *levels.steps, levels.end)
     opacities = (0.0, *np.linspace(0.02, 0.2, len(levels.steps)), 0.55)
@@ -319,15 +171,6 @@ def _of_ct(look: FirstLook, offset: float) -> TransferFunction:
         # No bone: what is there must not stay a veil.
         points = [replace(p, opacity=p.opacity + 0.05 * (p.value - offset >= -500.0)) for p in points]
     return TransferFunction(tuple(points), name="auto")
-
-
-def _offset_of_hu(volume: Volume) -> float | None:
-    """What is added to HU in the data, None when they are no CT."""
-    from volviz.model.transfer.presets import HU_OFFSET, looks_like_hu, looks_like_shifted_hu
-
-    if looks_like_hu(volume):
-        return 0.0
-    return HU_OFFSET if looks_like_shifted_hu(volume) else None
 
 
 # ---------------------------------------------------------------------- how dense

@@ -222,6 +222,13 @@ def looks_like_shifted_hu(volume: Volume) -> bool:
     return float(((dense > 900.0) & (dense < 1200.0)).mean()) > 0.4
 
 
+def offset_of_hu(volume: Volume) -> float | None:
+    """What is added to HU in the data, None when they are no CT."""
+    if looks_like_hu(volume):
+        return 0.0
+    return HU_OFFSET if looks_like_shifted_hu(volume) else None
+
+
 def _window(volume: Volume, window: Window) -> tuple[float, float]:
     low, high = volume.data_range
     if window == "robust":
