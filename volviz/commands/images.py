@@ -211,7 +211,9 @@ def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Nam
     """The camera that the options ask for, around what is visible."""
     from volviz.custom_gl.resolve import resolve
 
-    camera = resolve(spec).framing_camera(size, options.azimuth, options.elevation)
+    camera = resolve(spec).framing_camera(
+        size, options.azimuth, options.elevation, stacks_from_faces=options.look is not None
+    )
     return replace(
         camera,
         view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),

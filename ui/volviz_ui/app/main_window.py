@@ -23,6 +23,7 @@ from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.commands.edit import EditCommands
 from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.help import HelpCommands
+from volviz_ui.commands.looks import LookCommands
 from volviz_ui.commands.presets import PresetsOfFunction
 from volviz_ui.commands.session import SessionCommands
 from volviz_ui.commands.table import CommandTable
@@ -188,8 +189,9 @@ class MainWindow(QMainWindow):
         self.commands = CommandTable(context)
         self.session_commands = SessionCommands(context)
         self.file_commands = FileCommands(context, self.session_commands)
+        self.look_commands = LookCommands(context, self.thumbnails.request)
         self.time_commands = TimeCommands(context)
-        self.view_commands = ViewCommands(context, self.time_commands)
+        self.view_commands = ViewCommands(context, self.look_commands, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
         self.technique_commands = TechniqueCommands(context)
         self.help_commands = HelpCommands(context, self.commands)
@@ -282,6 +284,8 @@ class MainWindow(QMainWindow):
     def _on_opened(self, opened: Opened) -> None:
         if not opened.key.ref.source.startswith(SAMPLE_PREFIX):
             self.preferences.add_recent(opened.key)
+        # keys mean the picture now
+        self.views.active.viewport.setFocus()
 
     def _show_volume(self, volume: Volume | None) -> None:
         # [*] is where the system shows that something is unsaved
