@@ -34,6 +34,21 @@ def rotated(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Came
     return camera.turned(azimuth=-TURN * dx / side, elevation=TURN * dy / side)
 
 
+def zoomed_at(camera: Camera, factor: float, place: tuple[float, float], size: tuple[int, int]) -> Camera:
+    """The camera nearer by a factor; what lies at a place (x right, y down, in pixels) stays there.
+
+    That holds at the depth of the focal point.
+    """
+    point = np.asarray(point_on_plane(camera, place, size, camera.focal_point))
+    push = (point - np.asarray(camera.focal_point)) * (1.0 - 1.0 / factor)
+    moved = replace(
+        camera,
+        position=_vector(np.add(camera.position, push)),
+        focal_point=_vector(np.add(camera.focal_point, push)),
+    )
+    return zoomed(moved, factor)
+
+
 def zoomed(camera: Camera, factor: float) -> Camera:
     """The camera nearer by a factor; the focal point stays."""
     if camera.parallel:

@@ -13,7 +13,7 @@ from pyvistaqt import QtInteractor
 
 from volviz.model.camera import Camera
 from volviz.model.store import Store
-from volviz_ui.views.camera_moves import TURN, WHEEL_STEP, panned, rotated, zoomed
+from volviz_ui.views.camera_moves import TURN, WHEEL_STEP, panned, rotated, zoomed, zoomed_at
 
 if TYPE_CHECKING:
     from volviz.custom_gl.vtk.manipulators import Manipulators
@@ -296,7 +296,7 @@ class Viewport(QtInteractor):
         event.accept()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom; with Ctrl the light comes nearer or goes away. Through slices, which zoom with Ctrl."""
+        """Zoom to the pointer; with Ctrl the light comes nearer or goes away. Through slices, which zoom with Ctrl."""
         notches = event.angleDelta().y() / 120
         if notches:
             self._begin_wheel()
@@ -305,7 +305,9 @@ class Viewport(QtInteractor):
             elif event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
                 self.light_wheeled.emit(WHEEL_STEP**notches)
             else:
-                self._move_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
+                at = (event.position().x(), event.position().y())
+                size = (self.width(), self.height())
+                self._move_camera(zoomed_at(self.view_camera, WHEEL_STEP**notches, at, size))
         event.accept()
 
     def event(self, event: QEvent) -> bool:
