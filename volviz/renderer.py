@@ -423,7 +423,7 @@ class Renderer:
         for done, tile in enumerate(tiles):
             self._window_of((width, height))
             handle = self._frame(spec, view, volumes, tile, in_turns=seconds is not None)
-            while seconds is not None and not handle.refine(budget=seconds):
+            while seconds is not None and (not handle.refine(budget=seconds) or handle.is_missing_bricks):
                 handle.raise_error()
                 within = handle.status.progress
                 # a tile begins with a coarse image, which is reported as complete (1) although the tile is not
@@ -448,6 +448,8 @@ class Renderer:
         else:
             handle.scheduler = scheduler
             handle.show(spec, volumes)
+        # an image that is asked for has all bricks
+        handle.shows_unfinished = False
         assert view.camera is not None
         apply_camera(plotter.camera, view.camera)
         if view.clipping_range is None:
