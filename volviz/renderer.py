@@ -36,6 +36,7 @@ from volviz.model.looks.look import Look
 from volviz.model.render_spec import RenderSpec, View
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.brick_cache.cache import BrickStatus
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 
@@ -332,6 +333,11 @@ class Renderer:
     def notice(self) -> str:
         """What the last image shows differently from what was asked for; empty when nothing."""
         return "" if self._handle is None else self._handle.notice
+
+    @property
+    def bricks(self) -> BrickStatus | None:
+        """Of a volume that the last image shows brick by brick: which levels and bricks of it; None for others."""
+        return None if self._handle is None else self._handle.status.bricks
 
     @property
     def is_software(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from volviz.model.layers import ImageLayer, LabelLayer
     from volviz.model.render_spec import RenderSpec
     from volviz.model.transfer.function import TransferFunction
+    from volviz.volume_data.brick_cache.cache import BrickStatus
     from volviz.volume_data.volume import Volume
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
@@ -72,6 +74,8 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
                         help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
     parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
+    parser.add_argument("--report", metavar="FILE.json",
+                        help="write which level and bricks of a large volume the picture shows")  # fmt: skip
     add_plane_options(parser)
     parser.set_defaults(run=run)
 
@@ -183,12 +187,54 @@ def draw(
     with Renderer(size) as renderer:
         view = View(camera, size, None if transparent else background_color(background))
         image = renderer.draw(spec, view, dtype="float32" if output.suffix.lower() == ".npy" else "uint8")
-        notice = renderer.notice
+        notice, bricks = renderer.notice, renderer.bricks
     seconds = time.perf_counter() - begin
     save_image(image, output)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
     if notice:
         print(f"note: {notice}")
+    if options.report:
+        write_report(Path(options.report).expanduser(), layers, bricks, seconds)
+
+
+def write_report(
+    output: Path, layers: Sequence[ImageLayer | LabelLayer], bricks: BrickStatus | None, seconds: float
+) -> None:
+    """Write what of the data a picture shows: levels, bricks, bytes.
+
+    Raises
+    ------
+    VolvizError
+        The file cannot be written.
+    """
+    from volviz.model.layers import volume_of
+    from volviz.volume_data.finer_levels import levels_behind
+
+    volume = volume_of(layers[0])
+    finer = levels_behind(volume)
+    levels = (
+        [volume.dimensions]
+        if finer is None
+        else [each.dimensions for each in finer.levels[: finer.stored_count]]
+    )
+    report: dict[str, Any] = {
+        "levels": [list(dimensions) for dimensions in levels],
+        "level_in_memory": 0 if finer is None else finer.held_level,
+        "level": finer.held_level if finer is not None and bricks is None else 0,
+        "bytes_in_memory": int(volume.array.nbytes),
+        "bricks": None,
+        "seconds": seconds,
+    }
+    if bricks is not None:
+        report["level"] = bricks.level
+        report["bricks"] = {
+            "needed": bricks.needed, "present": bricks.present, "failed": bricks.failed,
+            "bytes": bricks.held_bytes, "complete": bricks.is_complete, "limited_by_budget": bricks.limited,
+        }  # fmt: skip
+    try:
+        output.write_text(json.dumps(report, indent=1), encoding="utf-8")
+    except OSError as error:
+        raise VolvizError(f"{output}: the report cannot be written ({error.strerror or error}).") from None
 
 
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:

@@ -68,7 +68,9 @@ def default_camera(
         across, upwards = (float(np.ptp(volume.corners @ axis)) for axis in _screen_axes(camera))
         scale = max(upwards, across * size[1] / size[0]) / (2 * FILL)
         return replace(camera, parallel=True, parallel_scale=scale)
-    points = at_finest(volume).corners if transfer_function is None else visible_points(volume, transfer_function)
+    points = (
+        at_finest(volume).corners if transfer_function is None else visible_points(volume, transfer_function)
+    )
     return camera_around(points, size, azimuth, elevation)
 
 

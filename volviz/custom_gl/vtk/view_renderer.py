@@ -293,6 +293,9 @@ class ViewRenderer:
             self._waits = True
             self._report(replace(self.status, complete=False))
             return False
+        if shown and not self.status.complete:
+            # what was missing cannot be read: nothing better will come
+            self._report(replace(self.status, complete=True))
         return True
 
     def _brick_view(self) -> BrickView | None:

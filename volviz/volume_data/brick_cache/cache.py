@@ -307,7 +307,7 @@ class BrickCache:
         # levels finer than the one that is being completed are still to come
         missing = 1 if self.base > self._goal else 0
         return BrickStatus(
-            min(self._goal, self._level_count - 1), self._level_count, len(self._needed) + missing, present,
+            self._goal, max(self._level_count, self._goal + 1), len(self._needed) + missing, present,
             len(self._place) * self.brick_bytes, failed, self._limited,
         )  # fmt: skip
 
