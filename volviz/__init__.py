@@ -12,6 +12,7 @@ from volviz.environment import prepare as _prepare
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from volviz import measure as measure
     from volviz.api import presets as presets
     from volviz.api import show as show
     from volviz.api import techniques as techniques
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from volviz.model.light import Light as Light
     from volviz.model.looks.choice import looks as looks
     from volviz.model.looks.look import Look as Look
+    from volviz.model.picture import PictureContents as PictureContents
     from volviz.model.transfer.function import TransferFunction as TransferFunction
     from volviz.renderer import Renderer as Renderer
     from volviz.renderer import render as render
@@ -37,12 +39,15 @@ if TYPE_CHECKING:
     from volviz.slice_images import slice_image as slice_image
     from volviz.volume_data.volume import Volume as Volume
 
+#: Rooms that are public as a whole.
+_ROOMS = ("measure",)
 _PUBLIC = {
     "Camera": "volviz.model.camera",
     "Clipping": "volviz.model.clipping",
     "ImageLayer": "volviz.model.layers",
     "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
+    "PictureContents": "volviz.model.picture",
     "Look": "volviz.model.looks.look",
     "Renderer": "volviz.renderer",
     "TransferFunction": "volviz.model.transfer.function",
@@ -68,18 +73,20 @@ _PUBLIC = {
 # caller
 _prepare()
 
-__all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - the keys are strings
+__all__ = ["__version__", *_PUBLIC, *_ROOMS]  # noqa: PLE0604 - the keys are strings
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _PUBLIC:
-        raise AttributeError(f"module 'volviz' has no attribute {name!r}")
     from importlib import import_module
 
+    if name in _ROOMS:
+        return import_module(f"volviz.{name}")
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'volviz' has no attribute {name!r}")
     value = getattr(import_module(_PUBLIC[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_PUBLIC})
+    return sorted({*globals(), *_PUBLIC, *_ROOMS})

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import volviz
-from volviz.commands.images import write_report
+from volviz.commands.picture_report import write_report
 from volviz.errors import LoadError
 from volviz.model.layers import ImageLayer
 from volviz.volume_data.budgets import budgets, set_budgets

@@ -14,10 +14,10 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from tests.ui.conftest import drag, is_complete, turn_wheel
+from volviz.custom_gl.registry import known_settings
 from volviz.custom_gl.scene_techniques import choose_technique
 from volviz.model.session import load_session
 from volviz_ui.app.main_window import MainWindow
-from volviz_ui.commands.session import settings_of
 from volviz_ui.views.difference_image import array_of
 from volviz_ui.views.viewport import Viewport
 
@@ -228,7 +228,7 @@ def test_a_session_brings_views_and_comparison_back(
     path = tmp_path / "two.volviz.json"
     assert split.session_commands.save_path(path)
     saved = split.store.scene
-    assert load_session(path, settings_of).comparison == saved.comparison
+    assert load_session(path, known_settings).comparison == saved.comparison
     split.commands["compare.one_view"].trigger()
     split.compare_commands.change(divider=0.5)
     assert split.session_commands.open_path(path)

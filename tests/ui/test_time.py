@@ -13,6 +13,7 @@ from PySide6.QtTest import QTest
 
 import volviz
 from tests.ui.conftest import is_complete
+from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.array_source import ArraySource
 from volviz_ui.app.main_window import MainWindow
@@ -130,6 +131,29 @@ def test_dragging_the_slider_is_one_step_and_keys_step(
     wait_for(lambda: player.seen == 5)
     window.documents.undo()
     wait_for(lambda: player.seen == 0)
+
+
+@pytest.mark.parametrize(
+    ("choice", "factors"), [("fixed", [1, 1, 1]), ("widest", [1, 3, 3]), ("each", [1, 3, 2])]
+)
+def test_colours_follow_the_values_as_was_chosen(
+    window: MainWindow, tmp_path: Path, wait_for: Wait, choice: str, factors: list[int]
+) -> None:
+    ramp = np.arange(16.0)[None, None, :] + np.zeros((16, 16, 16))
+    np.save(tmp_path / "brighter.npy", np.stack([ramp * factor for factor in (1, 3, 2)]).astype(np.float32))
+    window.documents.open(str(tmp_path / "brighter.npy"))
+    wait_for(lambda: window.player.count == 3)
+    window.player.set_time_range(choice)
+    first = window.store.scene.layer.transfer_function
+    isovalues = []
+    for number, factor in enumerate(factors):
+        window.player.show(number)
+        wait_for(lambda number=number: window.player.seen == number)
+        found = [point.value for point in window.store.scene.layer.transfer_function.points]
+        np.testing.assert_allclose(found, [factor * point.value for point in first.points], rtol=0.02)
+        isovalues.append(auto_isovalue(window.documents.volume))
+    assert (len(set(isovalues)) == 1) == (choice == "fixed")
+    window.player.set_time_range("fixed")
 
 
 def test_memory_for_time_points_is_limited(window: MainWindow, wait_for: Wait) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from volviz.commands.inputs import add_input, load_input
@@ -17,20 +17,22 @@ from volviz.commands.layers import (
     layers_of_options,
     single_channel,
 )
+from volviz.commands.picture_report import write_report
 from volviz.commands.slices import add_plane_options, asks_for_slice, plane_values, slicing_technique
 from volviz.errors import InputError, VolvizError
+from volviz.model.picture import SWITCHES, PictureContents
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 if TYPE_CHECKING:
+    from volviz.annotations.shapes import Shape
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.camera import Camera
     from volviz.model.layers import ImageLayer, LabelLayer
     from volviz.model.render_spec import RenderSpec
     from volviz.model.transfer.function import TransferFunction
-    from volviz.volume_data.brick_cache.cache import BrickStatus
     from volviz.volume_data.volume import Volume
 
-IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".svg", ".pdf")
 #: These hold no transparency.
 OPAQUE_SUFFIXES = (".jpg", ".jpeg", ".bmp")
 
@@ -47,10 +49,20 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture (.png, .tif, ...) or .npy;"
                         " a folder with --all-techniques")  # fmt: skip
     parser.add_argument(
-        "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
-    )
-    parser.add_argument(
         "--all-techniques", action="store_true", help="draw with every technique into a folder"
+    )
+    add_look_options(parser)
+    add_plane_options(parser)
+    add_contents_options(parser)
+    parser.add_argument("--report", metavar="FILE.json",
+                        help="write which level and bricks of a large volume the picture shows")  # fmt: skip
+    parser.set_defaults(run=run)
+
+
+def add_look_options(parser: argparse.ArgumentParser) -> None:
+    """What is drawn, from where and how large: for all that draws."""
+    parser.add_argument(
+        "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
     )
     parser.add_argument(
         "--look",
@@ -74,10 +86,24 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
                         help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
     parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
-    parser.add_argument("--report", metavar="FILE.json",
-                        help="write which level and bricks of a large volume the picture shows")  # fmt: skip
-    add_plane_options(parser)
-    parser.set_defaults(run=run)
+
+
+def add_contents_options(parser: argparse.ArgumentParser) -> None:
+    """What belongs into a picture beside the volume."""
+    parser.add_argument(
+        "--show", default="", metavar="NAMES", help=f"what stands around the volume: {', '.join(SWITCHES)}"
+    )
+    parser.add_argument("--title", default="", metavar="WORDS", help="a line above the picture")
+    parser.add_argument(
+        "--dpi",
+        type=float,
+        default=96.0,
+        metavar="N",
+        help="pixels to an inch of paper (default 96); papers want 300",
+    )
+    parser.add_argument(
+        "--methods", action="store_true", help="print a sentence for the methods section of a paper, too"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -132,23 +158,33 @@ def _loaded(options: argparse.Namespace) -> Volume:
 
 def draw_look(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
     """Draw a volume as one of its looks shows it."""
-    from volviz.custom_gl.registry import technique
-    from volviz.model.looks.choice import look_named
+    check_look(options, {"--all-techniques": options.all_techniques, "--plane": asks_for_slice(options)})
+    single_channel(options)
+    check_output(output)
+    volume = _loaded(options)
+    info, values = look_values(options, volume)
+    draw([image_layer(options, volume)], info, values, size, options, output)
 
+
+def check_look(options: argparse.Namespace, given: Mapping[str, Any] = MappingProxyType({})) -> None:
+    """Refuse what does not go with ``--look``: other ways to say what a look says, and those given by name."""
     given = {
-        "-t": options.technique, "--classic": options.classic, "--all-techniques": options.all_techniques,
-        "--layer or --channel with a look": asks_for_layers(options), "--plane": asks_for_slice(options),
+        "-t": options.technique, "--classic": options.classic,
+        "--layer or --channel with a look": asks_for_layers(options), **given,
     }  # fmt: skip
     for name, value in given.items():
         if value:
             raise InputError(f"--look brings technique and settings; leave out {name}, or --look.")
-    single_channel(options)
-    check_output(output)
-    volume = _loaded(options)
+
+
+def look_values(options: argparse.Namespace, volume: Volume) -> tuple[TechniqueInfo, dict[str, Any]]:
+    """Technique and keywords of the look that the options name, with the settings that they give."""
+    from volviz.custom_gl.registry import technique
+    from volviz.model.looks.choice import look_named
+
     look = look_named(volume, options.look)
     info = technique(look.technique)
-    values = {"look": look, **parse_values(info, options.values)}
-    draw([image_layer(options, volume)], info, values, size, options, output)
+    return info, {"look": look, **parse_values(info, options.values)}
 
 
 def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
@@ -172,8 +208,11 @@ def draw(
     output: Path,
 ) -> None:
     """Draw one image and say where it lies and how long it took."""
+    from volviz.annotations.figure import is_vector
+    from volviz.annotations.methods import methods_sentence
     from volviz.custom_gl.arguments import spec_of
     from volviz.custom_gl.offscreen import background_color
+    from volviz.custom_gl.resolve import resolve
     from volviz.model.render_spec import View
     from volviz.renderer import Renderer
 
@@ -184,70 +223,35 @@ def draw(
     background = "black" if options.background.lower() == "none" else options.background
     camera = turned_camera(spec, size, options)
     begin = time.perf_counter()
+    contents = PictureContents.of([name for name in options.show.split(",") if name.strip()], options.title)
+    ground = None if transparent else background_color(background)
     with Renderer(size) as renderer:
-        view = View(camera, size, None if transparent else background_color(background))
-        image = renderer.draw(spec, view, dtype="float32" if output.suffix.lower() == ".npy" else "uint8")
+        view = View(camera, size, ground)
+        if is_vector(output):
+            image = renderer.draw(spec, replace(view, background=None))
+            shapes = renderer.shapes(spec, view, contents)
+        else:
+            dtype: Any = "float32" if output.suffix.lower() == ".npy" else "uint8"
+            image, shapes = renderer.draw(spec, view, dtype=dtype, contents=contents), ()
         notice, bricks = renderer.notice, renderer.bricks
     seconds = time.perf_counter() - begin
-    save_image(image, output)
+    save_image(image, output, shapes, ground, options.dpi)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
     if notice:
         print(f"note: {notice}")
+    if options.methods:
+        print(methods_sentence(resolve(spec), camera, size))
     if options.report:
         write_report(Path(options.report).expanduser(), layers, bricks, seconds)
 
 
-def write_report(
-    output: Path, layers: Sequence[ImageLayer | LabelLayer], bricks: BrickStatus | None, seconds: float
-) -> None:
-    """Write what of the data a picture shows: levels, bricks, bytes.
-
-    Raises
-    ------
-    VolvizError
-        The file cannot be written.
-    """
-    from volviz.model.layers import volume_of
-    from volviz.volume_data.finer_levels import levels_behind
-
-    volume = volume_of(layers[0])
-    finer = levels_behind(volume)
-    levels = (
-        [volume.dimensions]
-        if finer is None
-        else [each.dimensions for each in finer.levels[: finer.stored_count]]
-    )
-    report: dict[str, Any] = {
-        "levels": [list(dimensions) for dimensions in levels],
-        "level_in_memory": 0 if finer is None else finer.held_level,
-        "level": finer.held_level if finer is not None and bricks is None else 0,
-        "bytes_in_memory": int(volume.array.nbytes),
-        "bricks": None,
-        "seconds": seconds,
-    }
-    if bricks is not None:
-        report["level"] = bricks.level
-        report["bricks"] = {
-            "needed": bricks.needed, "present": bricks.present, "failed": bricks.failed,
-            "bytes": bricks.held_bytes, "complete": bricks.is_complete, "limited_by_budget": bricks.limited,
-        }  # fmt: skip
-    try:
-        output.write_text(json.dumps(report, indent=1), encoding="utf-8")
-    except OSError as error:
-        raise VolvizError(f"{output}: the report cannot be written ({error.strerror or error}).") from None
-
-
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:
     """The camera that the options ask for, around what is visible."""
-    from volviz.custom_gl.framing import default_camera, layers_camera
     from volviz.custom_gl.resolve import resolve
 
-    shown = resolve(spec)
-    facing = shown.info.facing(shown.settings) if shown.info.facing is not None else None
-    if facing is not None:
-        camera = default_camera(shown.volume, size, options.azimuth, options.elevation, facing=facing)
-    else:
-        camera = layers_camera(shown.seen, size, options.azimuth, options.elevation)
+    camera = resolve(spec).framing_camera(
+        size, options.azimuth, options.elevation, stacks_from_faces=options.look is not None
+    )
     return replace(
         camera,
         view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),
@@ -328,8 +332,14 @@ def check_output(output: Path) -> None:
         raise InputError(f"{output}: there is no folder {output.absolute().parent}; make it first.")
 
 
-def save_image(image: Any, output: Path) -> None:
-    """Write an image of shape (H, W, 4), uint8, or any array as .npy."""
+def save_image(
+    image: Any,
+    output: Path,
+    shapes: Sequence[Shape] = (),
+    background: tuple[float, float, float] | None = None,
+    dpi: float = 96.0,
+) -> None:
+    """Write an image of shape (H, W, 4), uint8, or any array as .npy; the rest as for `write_picture`."""
     try:
         if output.suffix.lower() == ".npy":
             import numpy as np
@@ -337,11 +347,9 @@ def save_image(image: Any, output: Path) -> None:
             with output.open("wb") as file:
                 np.save(file, image)
             return
-        from PIL import Image
+        from volviz.annotations.figure import write_picture
 
-        converted = Image.fromarray(image)
-        if output.suffix.lower() in OPAQUE_SUFFIXES:
-            converted = converted.convert("RGB")
-        converted.save(output)
+        shown = image[..., :3] if output.suffix.lower() in OPAQUE_SUFFIXES else image
+        write_picture(output, shown, shapes, background, dpi)
     except OSError as error:
         raise VolvizError(f"{output}: the picture cannot be written ({error.strerror or error}).") from None

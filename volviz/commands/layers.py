@@ -114,6 +114,11 @@ def _file_layer(text: str, time: int) -> ImageLayer | LabelLayer:
     return ImageLayer(source, named_look(look, source.read_fitting(time)) if look else None, time=time)
 
 
+def file_of(text: str) -> str:
+    """The file of a text such as "pet.nii.gz:hot"."""
+    return _split(text)[0]
+
+
 def _split(text: str) -> tuple[str, str]:
     """File and look: what follows the last colon is a look unless it has a slash or stands after a scheme."""
     path, colon, look = text.rpartition(":")

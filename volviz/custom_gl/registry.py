@@ -6,6 +6,7 @@ import importlib
 import pkgutil
 from functools import cache, lru_cache
 from importlib.metadata import entry_points
+from typing import Any
 
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.errors import InputError
@@ -51,6 +52,12 @@ def technique(technique_id: str) -> TechniqueInfo:
     if technique_id not in known:
         raise InputError(f"there is no technique called {technique_id!r}; there are {', '.join(known)}.")
     return known[technique_id]
+
+
+def known_settings(technique_id: str) -> type[Any] | None:
+    """Settings class of a technique, None when there is no such technique; for reading sessions."""
+    info = techniques().get(technique_id)
+    return None if info is None else info.settings
 
 
 @lru_cache(maxsize=1)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from volviz.custom_gl.framing import default_camera, layers_camera
 from volviz.custom_gl.lattices import crop_planes, is_same_lattice, joint_crop
 from volviz.custom_gl.layer_set import (
     ResolvedLabels,
@@ -23,6 +24,7 @@ from volviz.custom_gl.settings import CommonSettings, common_settings
 from volviz.custom_gl.technique import TechniqueInfo, surface_settings
 from volviz.errors import InputError
 from volviz.kernels.slices import crop_corners
+from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping, Crop, Plane
 from volviz.model.layers import LabelLayer
 from volviz.model.light import Light, default_position
@@ -164,6 +166,30 @@ class ResolvedSpec:
         """Data of each layer that is seen, and the function that shows it."""
         images = [(layer.volume, layer.drawn_function) for layer in self.layers if layer.mode == "add"]
         return images + [(layer.volume, layer.FUNCTION) for layer in self.labels if layer.mode == "add"]
+
+    def framing_camera(
+        self,
+        size: tuple[int, int],
+        azimuth: float = 0.0,
+        elevation: float = 0.0,
+        *,
+        stacks_from_faces: bool = False,
+    ) -> Camera:
+        """The camera that frames all that is seen, or faces the plane that the technique shows.
+
+        Parameters
+        ----------
+        size : tuple of 2 ints
+            Width and height of the image in pixels.
+        azimuth, elevation : float
+            Further turn in degrees.
+        stacks_from_faces : bool
+            Look at a stack of few slices from their faces, as looks are seen.
+        """
+        facing = None if self.info.facing is None else self.info.facing(self.settings)
+        if facing is not None:
+            return default_camera(self.volume, size, azimuth, elevation, facing=facing)
+        return layers_camera(self.seen, size, azimuth, elevation, stacks_from_faces=stacks_from_faces)
 
     @cached_property
     def is_one_lattice(self) -> bool:

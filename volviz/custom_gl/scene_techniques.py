@@ -9,6 +9,7 @@ from typing import Any
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
 from volviz.model.looks.look import Look
 from volviz.model.parameters import Parameter, make_settings
@@ -122,10 +123,19 @@ def with_look(scene: Scene, look: Look) -> Scene:
     Views that are compared, and slices, keep their techniques.
     """
     scene = scene.with_layer(transfer_function=look.transfer_function)
-    volumes = [number for number, view in enumerate(scene.views) if not view.own_camera]
-    if len(volumes) != 1:
-        return scene
-    return with_technique(scene, look.technique, look.settings, volumes[0])
+    volumes = _volume_views(scene)
+    return with_technique(scene, look.technique, look.settings, volumes[0]) if len(volumes) == 1 else scene
+
+
+def can_take_looks(scene: Scene) -> bool:
+    """Whether one view shows one volume, which looks are made for."""
+    seen = [layer for layer in scene.layers if layer.visible]
+    return seen == [scene.layer] and len(_volume_views(scene)) == 1
+
+
+def _volume_views(scene: Scene) -> list[int]:
+    """Numbers of the views that are no slices with cameras of their own."""
+    return [number for number, view in enumerate(scene.views) if not view.own_camera]
 
 
 def with_technique(
@@ -224,6 +234,30 @@ def render_spec(scene: Scene, view: int | None = None) -> RenderSpec:
         scene.clipping,
         distance_coloring(scene, view),
     )
+
+
+def drawn_spec(scene: Scene, view: int | None = None) -> RenderSpec:
+    """The same with the layers that are drawn: those that are visible, or the active one alone."""
+    return replace(render_spec(scene, view), layers=drawn_layers(scene, view))
+
+
+def drawn_layers(scene: Scene, view: int | None = None) -> tuple[Layer, ...]:
+    """The layers that a view draws: those that are visible, or the active one by a technique that draws one."""
+    active = scene.layer
+    if active is None:
+        return ()
+    visible = tuple(layer for layer in scene.layers if layer.visible)
+    if draws_one(scene, view):
+        visible = tuple(replace(layer, mode="add") for layer in visible if layer is active)
+    if any(isinstance(layer, ImageLayer) and layer.mode == "add" for layer in visible):
+        return visible
+    # an empty picture is one of the active layer without opacity, so that labels and masks have their place
+    return (replace(active, visible=True, mode="add", opacity=0.0), *visible)
+
+
+def draws_one(scene: Scene, view: int | None = None) -> bool:
+    """Whether the technique of a view draws one layer at a time."""
+    return not current_technique(scene, view).draws_layers
 
 
 def distance_coloring(scene: Scene, view: int | None = None) -> DistanceColoring | None:

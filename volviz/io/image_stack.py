@@ -11,6 +11,7 @@ import numpy as np
 
 from volviz.errors import VolvizError
 from volviz.io.axes import to_zyx
+from volviz.io.endings import PICTURES
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.memory import check_memory
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
 _TIFF = (".tif", ".tiff")
 _MAGIC = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"BM")
 
@@ -33,7 +33,7 @@ def sniff(head: bytes, path: Path) -> bool:
     """Whether this is an image with others beside it, or a folder that holds some."""
     if path.is_dir():
         return len(_stack(path)) > 1
-    return head.startswith(_MAGIC) and path.suffix.lower() in SUFFIXES
+    return head.startswith(_MAGIC) and path.suffix.lower() in PICTURES
 
 
 def open_source(request: LoadRequest) -> FileSource:
@@ -93,7 +93,7 @@ def _stack(folder: Path) -> list[Path]:
 def _groups(folder: Path) -> dict[tuple[str, ...], list[Path]]:
     groups: dict[tuple[str, ...], list[Path]] = defaultdict(list)
     for path in folder.iterdir():
-        if path.suffix.lower() in SUFFIXES + _TIFF and not path.name.startswith(".") and path.is_file():
+        if path.suffix.lower() in PICTURES + _TIFF and not path.name.startswith(".") and path.is_file():
             groups[_pattern(path)].append(path)
     for paths in groups.values():
         paths.sort(key=lambda path: (_numbers(path), path.name))

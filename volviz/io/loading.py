@@ -12,10 +12,18 @@ import numpy as np
 
 from volviz.io import raw
 from volviz.io.file_source import told_in_a_sentence
-from volviz.io.packed_files import GZIP, is_packed, is_zip, open_unpacked, open_zip, unpacked_head
-from volviz.io.reader import HEAD_BYTES, PACKED_SUFFIXES, PART, SAMPLE_PREFIX, LoadOptions, LoadRequest
+from volviz.io.reader import (
+    GZIP,
+    HEAD_BYTES,
+    PACKED_SUFFIXES,
+    PART,
+    ZIP,
+    LoadOptions,
+    LoadRequest,
+    is_packed,
+)  # fmt: skip
 from volviz.io.table import READERS
-from volviz.volume_data.references import is_address
+from volviz.volume_data.references import SAMPLE_PREFIX, is_address
 from volviz.volume_data.source import checked_box, checked_number
 
 if TYPE_CHECKING:
@@ -143,11 +151,15 @@ def open_file(request: LoadRequest) -> FileSource:
     with told_in_a_sentence(request):
         magic = _first_bytes(request.path)
         # some formats are zip files themselves
-        if is_zip(magic) and not any(reader.sniff(magic, request.path) for reader in READERS):
+        if magic.startswith(ZIP) and not any(reader.sniff(magic, request.path) for reader in READERS):
+            from volviz.io.packed_files import open_zip
+
             return open_zip(request, open_file)
         reader = _reader_for(request)
         if not is_packed(magic) or (reader.reads_gzip and magic.startswith(GZIP)):
             return reader.open(request)
+        from volviz.io.packed_files import open_unpacked
+
         return open_unpacked(request, reader.open)
 
 
@@ -299,4 +311,8 @@ def _first_bytes(path: Path) -> bytes:
 def _head(path: Path) -> bytes:
     """First bytes of a file, unpacked if it is packed; empty for folders."""
     head = _first_bytes(path)
-    return (unpacked_head(path, HEAD_BYTES) or head) if is_packed(head) else head
+    if not is_packed(head):
+        return head
+    from volviz.io.unpacking import unpacked_head
+
+    return unpacked_head(path, HEAD_BYTES) or head

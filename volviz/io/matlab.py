@@ -8,6 +8,7 @@ import numpy as np
 
 from volviz.errors import VolvizError
 from volviz.io import reader_thread
+from volviz.io.endings import MATLAB
 from volviz.io.entries import Entry, choose_entry
 from volviz.io.geometry import Geometry
 from volviz.io.hdf5.axes import matlab_axes
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from volviz.io.pyramid import Index
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".mat",)
 
 _TYPES = {"double": "float64", "single": "float32", "logical": "bool"}
 _TYPES |= {f"{sign}int{bits}": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
@@ -56,7 +56,7 @@ def open_source(request: LoadRequest) -> FileSource:
         [StoredLevel(chosen.sizes, Geometry(), _Variable(request.path, chosen).read)],
         chosen.dtype,
         format="MATLAB",
-        name=stem(request.path, SUFFIXES) if len(entries) == 1 else chosen.name,
+        name=stem(request.path, MATLAB) if len(entries) == 1 else chosen.name,
         entries=entries,
     )
 

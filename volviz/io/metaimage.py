@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from volviz.io.endings import METAIMAGE
 from volviz.io.file_source import file_source
 from volviz.io.geometry import is_usable
 from volviz.io.nrrd import FILES_AT_MOST, _numbered
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".mha", ".mhd")
 
 #: A header longer than this is none; those of tracked ultrasound, with lines for every frame, have megabytes.
 HEADER_BYTES = 1 << 26
@@ -79,7 +79,7 @@ def open_source(request: LoadRequest) -> FileSource:
         payload.shape,
         request.geometry(_affine(request, fields, rank)),
         format="MetaImage",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, METAIMAGE),
         dtype=payload.dtype,
         statistics=_statistics(request, fields),
         length_unit="mm",

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from volviz.io.endings import MRC
 from volviz.io.file_source import file_source
 from volviz.io.raw_payload import RawPayload, check_sizes, read_part
 from volviz.io.reader import stem
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".mrc", ".map", ".ccp4", ".mrcs", ".rec.mrc", ".st")
 
 HEADER = 1024
 _TYPES = {0: "i1", 1: "i2", 2: "f4", 4: "c8", 6: "u2", 12: "f2"}
@@ -92,7 +92,7 @@ def open_source(request: LoadRequest) -> FileSource:
         shape,
         request.geometry(_affine(request, header, along)),
         format="MRC",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, MRC),
         dtype=dtype,
         # a highest value below the lowest one means that nobody has counted
         statistics=Statistics(low, high) if low < high and mode != 4 else None,

@@ -20,6 +20,7 @@ import numpy as np
 
 from volviz.errors import VolvizError
 from volviz.io.axes import choose, to_zyx
+from volviz.io.endings import AFNI, MGH, MINC, PARREC
 from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS
 from volviz.io.memory import check_memory
@@ -33,10 +34,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-MGH_SUFFIXES = (".mgh", ".mgz", ".mgh.gz")
-MINC_SUFFIXES = (".mnc", ".mnc2")
-AFNI_SUFFIXES = (".head", ".brik", ".brik.gz")
-PARREC_SUFFIXES = (".par", ".rec")
 
 #: Bytes of the header of an MGH file, and the types of values that it can name.
 _MGH_HEADER = 284
@@ -55,7 +52,7 @@ def sniff_minc(head: bytes, path: Path) -> bool:
     """Whether this is netCDF or HDF5 of the MINC kind, by the names in its beginning or its own."""
     is_container = head.startswith((b"CDF\x01", b"CDF\x02", b"\x89HDF\r\n\x1a\n"))
     names = (b"minc-2.0", b"MINC standard variable", b"xspace")
-    return is_container and (path.name.lower().endswith(MINC_SUFFIXES) or any(name in head for name in names))
+    return is_container and (path.name.lower().endswith(MINC) or any(name in head for name in names))
 
 
 def sniff_afni(head: bytes, path: Path) -> bool:
@@ -89,7 +86,7 @@ def open_mgh(request: LoadRequest) -> FileSource:
     )
     milliseconds = float(header["tr"])
     step = milliseconds / 1000.0 if 0.0 < milliseconds < np.inf else None
-    return _source(request, payload, header.get_affine(), "MGH", MGH_SUFFIXES, step=step)
+    return _source(request, payload, header.get_affine(), "MGH", MGH, step=step)
 
 
 def _mgh_header(request: LoadRequest, *, is_packed: bool) -> Any:
@@ -137,7 +134,7 @@ def open_afni(request: LoadRequest) -> FileSource:
     )
     scaling = image.dataobj.scaling
     factors = None if scaling is None else [float(f) for f in np.asarray(scaling).ravel()]
-    return _source(request, payload, image.affine, "AFNI", AFNI_SUFFIXES, factors=factors)
+    return _source(request, payload, image.affine, "AFNI", AFNI, factors=factors)
 
 
 def open_minc(request: LoadRequest) -> FileSource:
@@ -148,9 +145,7 @@ def open_minc(request: LoadRequest) -> FileSource:
     image = _opened(request, kind, request.path, "MINC")
     # its arrays have the slowest axis first
     axes, affine = "TZYX"[-len(image.shape) :], image.affine[:, [2, 1, 0, 3]]
-    return _by_slices(
-        request, image.dataobj, np.dtype(image.get_data_dtype()), axes, affine, "MINC", MINC_SUFFIXES
-    )
+    return _by_slices(request, image.dataobj, np.dtype(image.get_data_dtype()), axes, affine, "MINC", MINC)
 
 
 def open_parrec(request: LoadRequest) -> FileSource:
@@ -175,7 +170,7 @@ def open_parrec(request: LoadRequest) -> FileSource:
     stored = np.dtype(header.get_data_dtype())
     check_sizes(RawPayload((values,), tuple(header.get_data_shape()), stored, whole=False), request)
     axes = "XYZT"[: len(image.shape)]
-    return _by_slices(request, image, stored, axes, affine, "PAR/REC", PARREC_SUFFIXES)
+    return _by_slices(request, image, stored, axes, affine, "PAR/REC", PARREC)
 
 
 @contextmanager

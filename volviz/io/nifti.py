@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from volviz.io.endings import NIFTI
 from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS, is_usable
 from volviz.io.long_doubles import doubles_of
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz")
 
 Order = Literal["<", ">"]
 
@@ -114,7 +114,7 @@ def open_source(request: LoadRequest) -> FileSource:
     is_pair = header["magic"] in (b"ni1", b"ni2") or header["magic"] == b""
     if is_pair and data_file is None:
         raise request.error(
-            f"the image that belongs to this header, {stem(header_file, SUFFIXES)}.img, is not there; "
+            f"the image that belongs to this header, {stem(header_file, NIFTI)}.img, is not there; "
             "keep both files in one folder."
         )
     code = int(header["datatype"])
@@ -171,7 +171,7 @@ def open_source(request: LoadRequest) -> FileSource:
         payload.shape,
         request.geometry(_affine(header, request)),
         format="NIfTI",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, NIFTI),
         is_rescaled=code not in _COLOURS and is_scaling(slope, intercept),
         dtype=np.float64 if code == _LONG_DOUBLE else payload.dtype,
         colour=True,
@@ -349,7 +349,7 @@ def _files(request: LoadRequest) -> tuple[Path, Path | None]:
         header = _partner(path, ".hdr")
         if header is None:
             raise request.error(
-                f"the header that belongs to this image, {stem(path, SUFFIXES)}.hdr, is not there; "
+                f"the header that belongs to this image, {stem(path, NIFTI)}.hdr, is not there; "
                 "keep both files in one folder."
             )
         return header, path
@@ -359,7 +359,7 @@ def _files(request: LoadRequest) -> tuple[Path, Path | None]:
 
 
 def _partner(path: Path, suffix: str) -> Path | None:
-    base = stem(path, SUFFIXES)
+    base = stem(path, NIFTI)
     for end in (suffix, suffix + ".gz", suffix.upper()):
         candidate = path.with_name(base + end)
         if candidate.is_file():

@@ -10,6 +10,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.io.axes import usual_axes
+from volviz.io.endings import NPZ
 from volviz.io.entries import Entry, choose_entry
 from volviz.io.geometry import Geometry
 from volviz.io.numpy_files import read_header
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from volviz.io.pyramid import Index
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".npz",)
 
 _DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, NotImplementedError, KeyError, RuntimeError)
 
@@ -73,7 +73,7 @@ def open_source(request: LoadRequest) -> FileSource:
         [StoredLevel(shape, Geometry(), stored.read)],
         dtype,
         format="NumPy archive",
-        name=stem(request.path, SUFFIXES) if len(entries) == 1 else chosen.name,
+        name=stem(request.path, NPZ) if len(entries) == 1 else chosen.name,
         entries=entries,
     )
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from volviz.io.endings import NRRD
 from volviz.io.file_source import file_source
 from volviz.io.geometry import RAS_TO_LPS, is_usable
 from volviz.io.raw_payload import Encoding, RawPayload, check_sizes, read_part
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from volviz.io.geometry import Geometry
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".nrrd", ".nhdr")
 
 #: A header longer than this is none.
 HEADER_BYTES = 1 << 20
@@ -123,7 +123,7 @@ def open_source(request: LoadRequest) -> FileSource:
         else (),
         times=_times(fields, letters, sizes),
         format="NRRD",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, NRRD),
         unit=_quoted(fields.get("sampleunits", "")),
         length_unit=_length_unit(fields),
     )

@@ -8,6 +8,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.io.axes import usual_axes
+from volviz.io.endings import NUMPY
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.raw_payload import RawPayload, check_sizes, read_part
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
-
-SUFFIXES = (".npy",)
 
 
 def sniff(head: bytes, _path: Path) -> bool:
@@ -64,7 +63,7 @@ def open_source(request: LoadRequest) -> FileSource:
         shape,
         Geometry(),
         format="NumPy",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, NUMPY),
         dtype=dtype,
     )
 

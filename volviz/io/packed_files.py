@@ -5,9 +5,6 @@ Readers that unpack while they read (NIfTI, raw) get what gzip has packed as it 
 
 from __future__ import annotations
 
-import bz2
-import gzip
-import lzma
 import os
 import shutil
 import tempfile
@@ -16,11 +13,11 @@ import zipfile
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING
 
 from volviz.errors import LoadError
-from volviz.io import zstd
 from volviz.io.reader import PACKED_SUFFIXES
+from volviz.io.unpacking import damage, unpacker
 from volviz.volume_data.references import content_id
 
 if TYPE_CHECKING:
@@ -29,43 +26,14 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-GZIP = b"\x1f\x8b"
-
 _BLOCK = 4 << 20
 
 #: Bytes of the disk that stay free whatever a packed file holds.
 _LEFT_FREE = 256 << 20
 
 
-#: First bytes of the ways to pack, and what unpacks a file.
-_UNPACKERS: dict[bytes, Callable[[IO[bytes]], Any]] = {
-    GZIP: gzip.open, b"BZh": bz2.open, b"\xfd7zXZ\0": lzma.open, zstd.MAGIC: zstd.unpacked,
-}  # fmt: skip
-
-_DAMAGE = (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile, OSError, ValueError)
-
 #: Headers whose values lie in another file, which would not be found beside an unpacked copy.
 _HEADERS = (".nhdr", ".mhd", ".hdr", ".hv", ".h33", ".par", ".head")
-
-_ZIP = b"PK\x03\x04"
-
-
-def is_packed(head: bytes) -> bool:
-    """Whether these first bytes are those of a packed file."""
-    return head.startswith(tuple(_UNPACKERS))
-
-
-def unpacked_head(path: Path, count: int) -> bytes:
-    """The first bytes of what a packed file holds; none of a damaged one."""
-    try:
-        with path.open("rb") as stream:
-            if stream.read(4) == zstd.MAGIC:
-                stream.seek(0)
-                return zstd.unpacked_start(stream)[:count]
-            with _unpacker(stream) as plain:
-                return bytes(plain.read(count))
-    except _DAMAGE:
-        return b""
 
 
 def open_unpacked(request: LoadRequest, opening: Callable[[LoadRequest], FileSource]) -> FileSource:
@@ -97,11 +65,6 @@ def open_unpacked(request: LoadRequest, opening: Callable[[LoadRequest], FileSou
         shutil.rmtree(folder, ignore_errors=True)
         raise
     return _kept_with(source, folder, request)
-
-
-def is_zip(head: bytes) -> bool:
-    """Whether these first bytes are those of a zip file."""
-    return head.startswith(_ZIP)
 
 
 def open_zip(request: LoadRequest, opening: Callable[[LoadRequest], FileSource]) -> FileSource:
@@ -192,21 +155,14 @@ def _kept_with(source: FileSource, folder: Path, request: LoadRequest) -> FileSo
     return source
 
 
-def _unpacker(stream: IO[bytes]) -> Any:
-    stream.seek(0)
-    head = stream.read(8)
-    stream.seek(0)
-    return next(make for magic, make in _UNPACKERS.items() if head.startswith(magic))(stream)
-
-
 def _unpack(request: LoadRequest, target: Path) -> None:
     with request.path.open("rb") as stream:
         try:
-            with _unpacker(stream) as plain:
+            with unpacker(stream) as plain:
                 _copy(request, stream, plain, target)
         except EOFError:
             raise request.error("the file is cut off; get it again.") from None
-        except _DAMAGE as error:
+        except damage() as error:
             if isinstance(error, OSError) and error.errno is not None:
                 raise
             raise request.error("the compressed data is damaged; get the file again.") from None

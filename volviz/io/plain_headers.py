@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from volviz.io.endings import GIPL, INTERFILE
 from volviz.io.file_source import file_source
 from volviz.io.raw_payload import RawPayload, check_sizes, read_part
 from volviz.io.reader import shortened, stem
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-GIPL_SUFFIXES = (".gipl", ".gipl.gz")
-INTERFILE_SUFFIXES = (".hv", ".h33", ".ahv", ".i33")
 
 _GIPL_HEADER = 256
 _GIPL_MAGIC = (b"\xef\xff\xe9\xb0", b"\x2a\xe3\x89\xb8")
@@ -82,7 +81,7 @@ def open_gipl(request: LoadRequest) -> FileSource:
         payload.shape,
         request.geometry(np.c_[np.diag(steps), np.nan_to_num(origin)]),
         format="GIPL",
-        name=stem(request.path, GIPL_SUFFIXES),
+        name=stem(request.path, GIPL),
         dtype=payload.dtype,
         length_unit="mm",
     )
@@ -148,7 +147,7 @@ def open_interfile(request: LoadRequest) -> FileSource:
         payload.shape,
         request.geometry(np.c_[np.diag(steps), np.zeros(3)]),
         format="Interfile",
-        name=stem(request.path, INTERFILE_SUFFIXES),
+        name=stem(request.path, INTERFILE),
         dtype=payload.dtype,
         length_unit="mm",
     )

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.errors import InputError, VolvizError
+from volviz.io.endings import RAW
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
 from volviz.io.raw_payload import RawPayload, check_sizes, read_part
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadOptions, LoadRequest
 
-SUFFIXES = (".raw", ".raw.gz", ".bin", ".dat")
 
 _PATTERN = re.compile(r"(?<![\dx])(\d+)x(\d+)x(\d+)(?!\d|x\d)", re.IGNORECASE)
 _TYPE = re.compile(
@@ -96,7 +96,7 @@ def open_source(request: LoadRequest) -> FileSource:
         payload.shape,
         Geometry(),
         format="raw",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, RAW),
         dtype=payload.dtype,
     )
 

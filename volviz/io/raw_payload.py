@@ -7,7 +7,6 @@ notices a file that is cut off.
 
 from __future__ import annotations
 
-import bz2
 import math
 import os
 import zlib
@@ -329,7 +328,7 @@ def _unpacked_blocks(file: Path, start: int, encoding: Encoding) -> Iterator[tup
             return
         pending = b""
         while True:
-            unpacker: Any = bz2.BZ2Decompressor() if encoding == "bzip2" else zlib.decompressobj(wbits=47)
+            unpacker: Any = _decompressor(encoding)
             while not unpacker.eof:
                 if not pending:
                     pending = stream.read(BLOCK // 16)
@@ -344,6 +343,14 @@ def _unpacked_blocks(file: Path, start: int, encoding: Encoding) -> Iterator[tup
             # padding after the last member is allowed and common (tapes, block devices)
             if not pending.strip(b"\0"):
                 return
+
+
+def _decompressor(encoding: Encoding) -> Any:
+    if encoding != "bzip2":
+        return zlib.decompressobj(wbits=47)
+    import bz2
+
+    return bz2.BZ2Decompressor()
 
 
 _BLANKS = b" \t\r\n\v\f"

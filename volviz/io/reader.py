@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from volviz.errors import Cancelled, InputError, LoadError
+from volviz.volume_data.references import SAMPLE_PREFIX
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from volviz.volume_data.description import Box
     from volviz.volume_data.source import Cancel, Progress
 
-
-SAMPLE_PREFIX = "sample:"
 
 Result_co = TypeVar("Result_co", covariant=True)
 
@@ -40,8 +39,12 @@ class Future(Protocol[Result_co]):
 #: What is chosen when values are read, not when a file is opened.
 PART = ("level", "time", "channel", "box")
 
-#: Endings of files that are packed as a whole, behind that of their format.
-PACKED_SUFFIXES = (".gz", ".bz2", ".xz", ".zst")
+GZIP = b"\x1f\x8b"
+ZIP = b"PK\x03\x04"
+
+#: Endings of files that are packed as a whole, behind that of their format, and their first bytes.
+PACKINGS = {".gz": GZIP, ".bz2": b"BZh", ".xz": b"\xfd7zXZ\0", ".zst": b"\x28\xb5\x2f\xfd"}
+PACKED_SUFFIXES = tuple(PACKINGS)
 
 #: Bytes of a file that `Reader.sniff` is given.
 HEAD_BYTES = 4096
@@ -225,6 +228,11 @@ class LoadRequest:
     def error(self, what: str, path: Path | None = None) -> LoadError:
         """A `LoadError` that names the file."""
         return LoadError(f"{(path or self.path).name}: {what}")
+
+
+def is_packed(head: bytes) -> bool:
+    """Whether these first bytes are those of a packed file."""
+    return head.startswith(tuple(PACKINGS.values()))
 
 
 def stem(path: Path, suffixes: tuple[str, ...] = ()) -> str:

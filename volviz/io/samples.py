@@ -12,7 +12,7 @@ from volviz.io import generate
 from volviz.io.axes import to_zyx
 from volviz.io.file_source import FileSource, file_source
 from volviz.io.geometry import Geometry
-from volviz.io.reader import SAMPLE_PREFIX
+from volviz.volume_data.references import SAMPLE_PREFIX
 
 if TYPE_CHECKING:
     from volviz.io.reader import LoadRequest

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.io.axes import to_zyx
+from volviz.io.endings import SLC
 from volviz.io.file_source import file_source
 from volviz.io.memory import check_memory
 from volviz.io.raw_payload import RawPayload, check_sizes, read_part
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".slc",)
 
 _WORD = rb"\s+([-+.\deE]+)"
 #: Magic number, sizes, bits, spacings, unit, origin of the data, modification, packing, size of the icon.
@@ -92,7 +92,7 @@ def open_source(request: LoadRequest) -> FileSource:
         shape,
         request.geometry(np.c_[np.diag(steps), np.zeros(3)]),
         format="SLC",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, SLC),
         dtype=np.uint8,
     )
 

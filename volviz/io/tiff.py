@@ -16,6 +16,7 @@ import numpy as np
 
 from volviz.errors import InputError, VolvizError
 from volviz.io.axes import choose, to_zyx
+from volviz.io.endings import TIFF
 from volviz.io.entries import Entry
 from volviz.io.file_source import file_source
 from volviz.io.geometry import Geometry
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".tif", ".tiff", ".ome.tif", ".ome.tiff", ".lsm", ".tf8", ".btf")
 
 _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 
@@ -122,7 +122,7 @@ def _source(request: LoadRequest, file: tifffile.TiffFile) -> FileSource:
         series.shape,
         Geometry(spacing),
         format="TIFF",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, TIFF),
         is_rescaled=is_scaling(slope, intercept),
         dtype=series.dtype,
         colour=colour,

@@ -14,6 +14,7 @@ import numpy as np
 
 from volviz.errors import InputError
 from volviz.io.axes import choose, to_zyx
+from volviz.io.endings import VTK
 from volviz.io.file_source import file_source
 from volviz.io.memory import check_memory
 from volviz.io.reader import stem
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".vti", ".vtk", ".vtr", ".pvti", ".pvtr")
 
 #: Coordinates are even when they stray by this fraction of their distance at most: digits of a text, or floats.
 EVEN = 1e-3
@@ -118,7 +118,7 @@ def open_source(request: LoadRequest) -> FileSource:
         (*shape, len(arrays.channels)),
         request.geometry(np.c_[matrix, start]),
         format="VTK",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, VTK),
         dtype=arrays.dtype,
         channels=() if is_single else [Channel(name) for _, _, name in arrays.channels],
         field=arrays.listed[arrays.active or 0][0],

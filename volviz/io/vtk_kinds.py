@@ -6,8 +6,8 @@ import importlib
 import os
 import re
 from dataclasses import dataclass
+from html import unescape
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import unescape
 
 from volviz.io.vtk_legacy import check_promises, counts_of, kind_of
 

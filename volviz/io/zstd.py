@@ -11,8 +11,9 @@ from collections.abc import Iterator
 from typing import IO
 
 from volviz.io.memory import free_bytes
+from volviz.io.reader import PACKINGS
 
-MAGIC = b"\x28\xb5\x2f\xfd"
+_MAGIC = PACKINGS[".zst"]
 
 _BLOCK = 128 << 10
 _RUN = 1
@@ -58,7 +59,7 @@ def unpacked_start(stream: IO[bytes]) -> bytes:
     at, end = next(_blocks(packed))
     header = int.from_bytes(packed[at : at + 3], "little") | 1
     # a frame of this block alone, without a size and a checksum, with a window of 128 KiB
-    alone = MAGIC + b"\x00\x38" + header.to_bytes(3, "little") + packed[at + 3 : end]
+    alone = _MAGIC + b"\x00\x38" + header.to_bytes(3, "little") + packed[at + 3 : end]
     try:
         return bytes(imagecodecs.zstd_decode(alone))
     except RuntimeError as error:
@@ -73,7 +74,7 @@ def _blocks(packed: bytes) -> Iterator[tuple[int, int]]:
         if magic in _SKIPPABLE:
             at += 8 + int.from_bytes(packed[at + 4 : at + 8], "little")
             continue
-        if packed[at : at + 4] != MAGIC or at + 5 > len(packed):
+        if packed[at : at + 4] != _MAGIC or at + 5 > len(packed):
             raise ValueError("no frame")
         flags = packed[at + 4]
         is_single = flags >> 5 & 1

@@ -46,6 +46,12 @@ def auto_isovalue(volume: Volume) -> float:
     return known
 
 
+def keep_isovalue(volume: Volume, value: float) -> None:
+    """Let `auto_isovalue` of a volume be another value: that of the first time point of a series, say."""
+    with _lock:
+        _known[volume] = value
+
+
 def _otsu_by_gradient(volume: Volume) -> float:
     look = FirstLook.at(volume)
     if look is None:

@@ -89,6 +89,23 @@ class Camera:
             view_up=_vector(up),
         )
 
+    def rotated(self, axis: Vector, degrees: float) -> Camera:
+        """The camera moved around an axis through the focal point, by the right-hand rule; what is up turns with it.
+
+        Parameters
+        ----------
+        axis : tuple of 3 floats
+            Unit vector in the world.
+        degrees : float
+        """
+        turn = _rotation(np.asarray(axis), degrees)
+        offset = turn @ np.subtract(self.position, self.focal_point)
+        return replace(
+            self,
+            position=_vector(np.add(self.focal_point, offset)),
+            view_up=_vector(turn @ np.asarray(self.view_up)),
+        )
+
     def clipping_range(self, points: npt.NDArray[np.float64]) -> tuple[float, float]:
         """World distances of a near and a far plane that hold all points, by the rule of VTK's renderers.
 

@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
@@ -19,13 +19,17 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import MOST_VIEWS, Comparison
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.light import Light
+from volviz.model.measurements import measurement_from_dict, measurement_to_dict
+from volviz.model.movie import Movie
+from volviz.model.movies.files import movie_from_dict, movie_to_dict
 from volviz.model.parameters import make_settings, parameters_of, setting_values
 from volviz.model.scene import LAYOUTS, Scene, SceneView
+from volviz.model.time_range import TimeRange
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 
 #: Version that this program writes.
-VERSION = 3
+VERSION = 5
 _LAYER_KINDS: dict[str, type[ImageLayer | LabelLayer]] = {"image": ImageLayer, "labels": LabelLayer}
 KIND = "volviz session"
 SUFFIX = ".volviz.json"
@@ -62,6 +66,9 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
         "cursor": scene.cursor,
         "layout": scene.layout,
         "active_layer": scene.active_layer,
+        "measurements": [measurement_to_dict(each) for each in scene.measurements],
+        "time_range": scene.time_range,
+        "movie": movie_to_dict(scene.movie, lambda frame: _key_frame_to_dict(frame, folder)),
     }
 
 
@@ -156,6 +163,11 @@ def _layer_to_dict(layer: Layer, folder: Path | None) -> dict[str, Any]:
     return {"kind": kind, **values, "volume": volume}
 
 
+def _key_frame_to_dict(scene: Scene, folder: Path | None) -> dict[str, Any]:
+    """The scene of a key frame, which has no movie of its own."""
+    return scene_to_dict(dataclasses.replace(scene, movie=Movie()), folder)
+
+
 def _view_to_dict(view: SceneView) -> dict[str, Any]:
     settings = {technique: setting_values(values) for technique, values in view.settings}
     camera = None if view.camera is None else dataclasses.asdict(view.camera)
@@ -187,12 +199,21 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         layout=LAYOUTS[LAYOUTS.index(data["layout"])],
         # absent where the session was written before there were several layers to choose from
         active_layer=int(data.get("active_layer", 0)),
+        measurements=tuple(measurement_from_dict(each) for each in data["measurements"]),
+        # likewise of time points
+        time_range=_time_range(data.get("time_range", "fixed")),
+        movie=movie_from_dict(data["movie"], lambda frame: scene_from_dict(frame, settings_of, folder)),
     )
 
 
 def _comparison(data: Mapping[str, Any]) -> Comparison:
     first, second = data["pair"]
     return Comparison(**{**data, "pair": (int(first), int(second))})
+
+
+def _time_range(value: Any) -> TimeRange:
+    choices: tuple[TimeRange, ...] = get_args(TimeRange)
+    return choices[choices.index(value)]
 
 
 def _layer(data: dict[str, Any], folder: Path | None) -> Layer:
@@ -267,8 +288,20 @@ def _to_version_3(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "views": views, "cursor": None, "layout": "grid"}
 
 
+def _to_version_4(data: dict[str, Any]) -> dict[str, Any]:
+    """Movies."""
+    return {**data, "movie": {"steps": [], "fps": 24, "title": "", "stamp": False}}
+
+
+def _to_version_5(data: dict[str, Any]) -> dict[str, Any]:
+    """Measurements."""
+    return {**data, "measurements": []}
+
+
 #: Takes the data of a version, gives that of the next one; applied one after another.
 CONVERTERS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {
     1: _to_version_2,
     2: _to_version_3,
+    3: _to_version_4,
+    4: _to_version_5,
 }

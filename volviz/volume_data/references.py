@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+import os
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+#: What names of bundled samples begin with.
+SAMPLE_PREFIX = "sample:"
 _SCHEMES = ("http://", "https://", "s3://", "gs://", "file://")
 
 
@@ -56,6 +59,21 @@ class VolumeKey:
     channel: int | None = None
     time: int = 0
     level: int = 0
+
+
+def reference_to(source: str | os.PathLike[str], hints: Mapping[str, Hashable]) -> VolumeRef:
+    """The reference to a file, folder, URL or sample, as it is now.
+
+    Parameters
+    ----------
+    source : str or path
+    hints : mapping
+        How to read it, as keywords of `volviz.open`.
+    """
+    text = os.fspath(source)
+    if not text.startswith(SAMPLE_PREFIX) and not is_address(text):
+        text = str(Path(text).expanduser().absolute())
+    return VolumeRef(text, tuple(hints.items()), content_id(text))
 
 
 def content_id(source: str) -> str:

@@ -177,7 +177,11 @@ def coarser(texels: TextureData) -> TextureData:
     shape = tuple(-(-n // 2) for n in data.shape)
     out = np.empty(shape, data.dtype)
 
-    def pairs(array: npt.NDArray[np.float32], axis: int) -> npt.NDArray[np.float32]:
+    whole = data.dtype.kind != "f"
+    # sums of eight whole numbers, and of eight floats
+    kind = {"uint8": np.uint16, "uint16": np.uint32}.get(data.dtype.name, np.float32)
+
+    def pairs(array: npt.NDArray[Any], axis: int) -> npt.NDArray[Any]:
         even = array[::2] if axis == 0 else array[:, ::2]
         odd = array[1::2] if axis == 0 else array[:, 1::2]
         total = even.copy()
@@ -191,10 +195,11 @@ def coarser(texels: TextureData) -> TextureData:
 
     def fill(start: int, stop: int) -> None:
         for z in range(start, stop):
-            plane = data[2 * z].astype(np.float32)
+            plane = data[2 * z].astype(kind)
             plane += data[min(2 * z + 1, len(data) - 1)]
-            mean = pairs(pairs(plane, 0), 1) * np.float32(0.125)
-            out[z] = mean if data.dtype.kind == "f" else np.rint(mean)
+            total = pairs(pairs(plane, 0), 1)
+            # halves are rounded to even numbers
+            out[z] = total + 3 + (total >> 3 & 1) >> 3 if whole else total * np.float32(0.125)
 
     map_ranges(fill, len(out))
     x, y, z = texels.factor
@@ -221,7 +226,7 @@ def held_bytes(volume: Volume) -> int:
     with _lock:
         known = [*_levels.get(volume, {}).values(), *((one,) for one in _texels.get(volume, {}).values())]
     arrays = {id(texels.data): texels.data.nbytes for levels in known for texels in levels}
-    return volume.array.nbytes + sum(arrays.values())
+    return sum({**arrays, id(volume.array): volume.array.nbytes}.values())
 
 
 def is_prepared(volume: Volume, kind: Format, max_edge: int, max_bytes: int) -> bool:
@@ -253,6 +258,11 @@ def reduction(shape: tuple[int, ...], kind: Format, max_edge: int, max_bytes: in
 def _make_texels(volume: Volume, kind: Format, factor: tuple[int, int, int]) -> TextureData:
     low, high = volume.bulk_range
     span = high - low if high > low else 1.0
+    same = {"u1": "uint8", "u2": "uint16"}.get(kind, "")
+    if factor == (1, 1, 1) and volume.array.dtype.name == same and low == volume.range[0]:
+        # the values themselves, counted from the lowest one
+        texels = volume.array if low == 0 else volume.array - volume.array.dtype.type(low)
+        return TextureData(texels, np.iinfo(volume.array.dtype).max / span, 0.0, factor)
     # what is not finite counts as the lowest value
     array, lowest, missing = volume.array, low, (volume.range[0] - low) / span
     if factor != (1, 1, 1):

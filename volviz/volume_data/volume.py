@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
@@ -75,7 +76,8 @@ class Volume:
         name: str = "volume",
         metadata: Mapping[str, Any] | None = None,
     ) -> None:
-        if isinstance(array, np.ma.MaskedArray):
+        # importing the module of masked arrays takes longer than reading many volumes
+        if "numpy.ma" in sys.modules and isinstance(array, np.ma.MaskedArray):
             array = array.filled(array.min() if array.count() else 0)
         scalars = np.asarray(array)
         if scalars.ndim != 3:

@@ -264,16 +264,3 @@ def test_values_that_never_occur_make_no_comb(editor) -> None:
     assert counts.grain == 4.0
     density = counts.density(np.linspace(10, 390, 500), np.full(500, 0.76))
     np.testing.assert_allclose(density, 250.0)
-
-
-def test_an_edit_and_its_repaint_take_less_than_half_a_frame_of_processor_time(editor) -> None:
-    from time import process_time
-
-    editor.model.select({1})
-    times = []
-    for i in range(12):
-        start = process_time()
-        editor.model.nudge(1.0 if i % 2 else -1.0, 0.0)
-        editor.plot.grab()
-        times.append(process_time() - start)
-    assert min(times) < 1 / 30

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QDateTime, QLocale, QObject, QStandardPaths
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
-from volviz.custom_gl.registry import techniques
+from volviz.custom_gl.registry import known_settings
 from volviz.errors import VolvizError
 from volviz.model.scene import Scene
 from volviz.model.session import SUFFIX, load_session, save_session
@@ -55,7 +54,7 @@ class SessionCommands(QObject):
     def open_path(self, path: str | Path) -> bool:
         """Open a session file; False when it cannot be read (and that was reported)."""
         try:
-            scene = load_session(path, settings_of)
+            scene = load_session(path, known_settings)
         except VolvizError as error:
             self._context.messages.show_error(
                 self.tr("%1 was not opened").replace("%1", Path(path).name), error
@@ -291,12 +290,6 @@ def file_stem(name: str) -> str:
 def _delete(found: list[Left]) -> None:
     for left in found:
         left.path.unlink(missing_ok=True)
-
-
-def settings_of(technique: str) -> type[Any] | None:
-    """Settings class of a technique, None when there is no such technique."""
-    info = techniques().get(technique)
-    return None if info is None else info.settings
 
 
 def autosave_folder() -> Path:

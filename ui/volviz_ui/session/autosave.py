@@ -17,7 +17,7 @@ from volviz.errors import VolvizError
 from volviz.model.scene import Scene
 from volviz.model.session import SUFFIX, save_session
 from volviz.model.store import Store
-from volviz_ui.session.opening import SAMPLE_PREFIX
+from volviz.volume_data.references import SAMPLE_PREFIX
 
 DELAY_MS = 5000
 """Changes within this time are written together."""

@@ -6,7 +6,6 @@ import os
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from psygnal import Signal as Event
@@ -17,13 +16,17 @@ from volviz.model.clipping import Clipping, Crop
 from volviz.model.layer_edits import with_added, with_layers_instead
 from volviz.model.scene import Scene
 from volviz.model.store import Store
-from volviz.volume_data.references import VolumeKey, VolumeRef, content_id, is_address
+from volviz.volume_data.references import (
+    VolumeKey,
+    VolumeRef,
+    content_id,
+    reference_to,
+)
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.file_parts import box_again, box_in_full, shown_part, whole_of
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.opening import (
-    SAMPLE_PREFIX,
     Opened,
     SeveralImages,
     has_channels,
@@ -126,7 +129,7 @@ class Documents(QObject):
 
         A channel is chosen by its number, from 0, or its name; without one, the file shows what it shows by itself.
         """
-        ref = _ref_of(source, hints)
+        ref = reference_to(source, hints)
         self._way_back = None
         name = channel if isinstance(channel, str) else None
         number = None if isinstance(channel, str) else channel
@@ -137,7 +140,7 @@ class Documents(QObject):
         if self._store.scene.layer is None:
             self.open(source, **hints)
             return
-        key = VolumeKey(_ref_of(source, hints), None, 0)
+        key = VolumeKey(reference_to(source, hints), None, 0)
         self._way_back = None
         self._run(key, lambda task: open_volume(key, task, adds=True), self._on_added)
 
@@ -378,13 +381,6 @@ class Documents(QObject):
                 self.changed.emit(*self._changes[0])
             finally:
                 self._changes.popleft()
-
-
-def _ref_of(source: str | os.PathLike[str], hints: dict[str, Any]) -> VolumeRef:
-    text = os.fspath(source)
-    if not text.startswith(SAMPLE_PREFIX) and not is_address(text):
-        text = str(Path(text).absolute())
-    return VolumeRef(text, tuple(hints.items()), content_id(text))
 
 
 def keys_of(scene: Scene) -> list[VolumeKey]:

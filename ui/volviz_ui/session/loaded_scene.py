@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from volviz.custom_gl.scene_techniques import current_technique, render_spec
-from volviz.model.layers import ImageLayer, Layer
+from volviz.custom_gl.scene_techniques import current_technique, drawn_spec, draws_one, render_spec
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
@@ -44,7 +43,7 @@ class LoadedScene:
     def spec(self, view: int) -> RenderSpec:
         """What a view draws of the scene: its visible layers, or the active one by a technique that draws one."""
         # distances of surfaces are measured by whoever compares, and given to the handle as colours
-        return replace(render_spec(self.scene, view), layers=self._drawn(view), surface_colors=None)
+        return replace(drawn_spec(self.scene, view), surface_colors=None)
 
     def whole_spec(self, view: int) -> RenderSpec:
         """The same with the volumes themselves in the layers, for other threads."""
@@ -63,24 +62,6 @@ class LoadedScene:
             active, volume=self.volumes[active.key], channel=None, time=0, visible=True, mode="add"
         )
         return replace(render_spec(self.scene, view), layers=(layer,))
-
-    def _drawn(self, view: int) -> tuple[Layer, ...]:
-        active = self.scene.layer
-        if active is None:
-            return ()
-        visible = tuple(layer for layer in self.scene.layers if layer.visible)
-        if draws_one(self.scene, view):
-            visible = tuple(layer for layer in visible if layer is active)
-            visible = tuple(replace(layer, mode="add") for layer in visible)
-        if any(isinstance(layer, ImageLayer) and layer.mode == "add" for layer in visible):
-            return visible
-        # an empty picture is one of the active layer without opacity, so that labels and masks have their place
-        return (replace(active, visible=True, mode="add", opacity=0.0), *visible)
-
-
-def draws_one(scene: Scene, view: int | None = None) -> bool:
-    """Whether the technique of a view draws one layer at a time."""
-    return not current_technique(scene, view).draws_layers
 
 
 def words_on_layers(scene: Scene) -> str:

@@ -18,14 +18,13 @@ from volviz.model.looks.look import Look
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.label_indices import label_indices_of
-from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
+from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, VolumeRef, content_id
 from volviz.volume_data.scalars import bricks_of
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.file_parts import shown_part, whole_of
 from volviz_ui.session.workers import Task
 
-SAMPLE_PREFIX = "sample:"
 #: Channels that may be shown together.
 MOST_CHANNELS = 8
 

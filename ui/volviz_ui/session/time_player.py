@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Literal
+from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
+from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.layer_edits import at_time
-from volviz.model.layers import LabelLayer, Layer
+from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.store import Store
+from volviz.model.time_range import TimeRange, look_like, refitted
+from volviz.model.transfer.first_look import robust_range
 from volviz.volume_data.references import VolumeKey, VolumeRef
 from volviz.volume_data.scalars import held_bytes
 from volviz.volume_data.source import VolumeSource
@@ -31,6 +36,7 @@ USUAL_SPEED, SLOWEST, FASTEST = 10.0, 1.0, 60.0
 #: Steps that follow one another this fast are one step of the history.
 REST_MS = 300
 
+Range = tuple[float, float]
 Repeat = Literal["loop", "ping-pong", "once"]
 Preparation = Callable[[Sequence[Volume], Sequence[Volume]], None]
 
@@ -71,6 +77,9 @@ class TimePlayer(QObject):
         super().__init__(parent)
         self._store, self._documents, self._gate = store, documents, gate
         self._workers = Workers(self)
+        #: Range of the values of a time point, and that to which the function of a layer belongs now.
+        self._ranges: WeakKeyDictionary[Volume, Range] = WeakKeyDictionary()
+        self._bases: dict[tuple[VolumeRef, int | None], Range] = {}
         self.preparation: Callable[[], list[Preparation]] = list
         self.repeat: Repeat = "loop"
         self.speed = USUAL_SPEED
@@ -118,6 +127,7 @@ class TimePlayer(QObject):
             for task in self._reading.values():
                 task.cancel()
             self._documents.frames.clear()
+            self._bases.clear()
             self._refs, self.count, self.times = refs, count, times
             self.speed = _usual_speed(times)
         shown = self._time_of(new.scene)
@@ -127,6 +137,7 @@ class TimePlayer(QObject):
                 # undo, a session, another file: not what was asked for here
                 self._stop()
                 self.wanted = shown
+                self._bases.clear()
             self._asked = shown
         if new.volume is None:
             self.wanted = self.seen = 0
@@ -281,8 +292,54 @@ class TimePlayer(QObject):
             self._is_drawn = False
             self._asked = number
             self._store.update(
-                lambda scene: at_time(scene, number, refs), label=self.tr("Time point"), gesture=GESTURE
-            )
+                lambda scene: self._recolored(scene, at_time(scene, number, refs)),
+                label=self.tr("Time point"), gesture=GESTURE,
+            )  # fmt: skip
+
+    # ------------------------------------------------------------------ colours through time
+
+    @property
+    def time_range(self) -> TimeRange:
+        """How colours follow the values."""
+        return self._store.scene.time_range
+
+    def set_time_range(self, choice: TimeRange) -> None:
+        """How colours follow the values from now on; the picture that is seen keeps them."""
+        self._bases.clear()
+        if self._store.update(
+            lambda scene: replace(scene, time_range=choice), label=self.tr("Colours through time")
+        ):
+            # what was chosen of the values of time points belongs to the former way
+            self._documents.frames.clear()
+            self._fill()
+
+    def _recolored(self, before: Scene, scene: Scene) -> Scene:
+        """The scene of another time point with functions that follow its values, where they are to."""
+        if scene.time_range == "fixed":
+            return scene
+        layers = list(scene.layers)
+        for number, (old, layer) in enumerate(zip(before.layers, layers, strict=True)):
+            if not isinstance(layer, ImageLayer) or layer.transfer_function is None or layer == old:
+                continue
+            place = layer.key.ref, layer.channel
+            base = self._bases.get(place) or self._range_of(old.key)
+            values = self._range_of(layer.key)
+            if base is None or values is None or not values[0] < values[1]:
+                continue
+            if scene.time_range == "widest":
+                values = min(values[0], base[0]), max(values[1], base[1])
+            self._bases[place] = values
+            layers[number] = replace(layer, transfer_function=refitted(layer.transfer_function, base, values))
+        return replace(scene, layers=tuple(layers))
+
+    def _range_of(self, key: VolumeKey) -> Range | None:
+        """Range of values without outliers; None of what is not in memory."""
+        volume = self._documents.at_hand(key)
+        if volume is None:
+            return None
+        if volume not in self._ranges:
+            self._ranges[volume] = robust_range(volume)
+        return self._ranges[volume]
 
     def _is_at_hand(self, number: int) -> bool:
         return all(self._documents.at_hand(key) for _, key in self._layers_at(number))
@@ -326,22 +383,28 @@ class TimePlayer(QObject):
 
     def _read(self, number: int) -> None:
         jobs = []
-        for layer, key in self._layers_at(number):
+        shown = self._documents.shown.volumes
+        fixed = self._store.scene.time_range == "fixed"
+        for (layer, key), (_, now) in zip(self._layers_at(number), self._layers_at(self._asked), strict=True):
             source = self._documents.source_of(key.ref)
             if source is not None and not self._documents.at_hand(key):
-                jobs.append((source, key, isinstance(layer, LabelLayer)))
+                is_labels = isinstance(layer, LabelLayer)
+                like = shown.get(now) if fixed and not is_labels else None
+                jobs.append(_Job(source, key, is_labels, like))
         preparations = self.preparation()
         task = self._workers.start(lambda task: _read_and_prepared(jobs, preparations, task))
         self._reading[number] = task
         if number == self.wanted:
             self._urgent.add(number)
-        task.succeeded.connect(lambda volumes: self._on_read(number, volumes))
+        task.succeeded.connect(lambda read: self._on_read(number, read))
         task.failed.connect(lambda error: self._on_failed(number, error))
         task.ended.connect(lambda: self._on_ended(number, task))
 
-    def _on_read(self, number: int, volumes: dict[VolumeKey, Volume]) -> None:
-        for key, volume in volumes.items():
+    def _on_read(self, number: int, read: dict[VolumeKey, tuple[Volume, Range | None]]) -> None:
+        for key, (volume, values) in read.items():
             self._documents.frames.put(key, volume)
+            if values is not None:
+                self._ranges[volume] = values
         if self._playing:
             return
         # while a slider is dragged faster than files are read, what has been read is shown, and the newest follows
@@ -405,14 +468,40 @@ def _usual_speed(times: tuple[float, ...] | None) -> float:
     return speed if SLOWEST <= speed <= FASTEST else USUAL_SPEED
 
 
+@dataclass(frozen=True)
+class _Job:
+    """A volume to be read for a time point.
+
+    Attributes
+    ----------
+    source : VolumeSource
+    key : VolumeKey
+    is_labels : bool
+    like : Volume or None
+        The time point whose automatic values it gets; None where it has its own.
+    """
+
+    source: VolumeSource
+    key: VolumeKey
+    is_labels: bool
+    like: Volume | None
+
+
 def _read_and_prepared(
-    jobs: Collection[tuple[VolumeSource, VolumeKey, bool]], preparations: Sequence[Preparation], task: Task
-) -> dict[VolumeKey, Volume]:
-    """Volumes of a time point, with all that drawing them needs. Runs on a worker."""
-    volumes = {}
-    for source, key, is_labels in jobs:
-        volume = volumes[key] = read_volume(source, key, task)
+    jobs: Collection[_Job], preparations: Sequence[Preparation], task: Task
+) -> dict[VolumeKey, tuple[Volume, Range | None]]:
+    """Volumes of a time point, with all that showing them needs, and their ranges where these count. On a worker."""
+    read: dict[VolumeKey, tuple[Volume, Range | None]] = {}
+    for job in jobs:
+        volume = read_volume(job.source, job.key, task)
         for prepare in preparations:
             task.report(-1.0)
-            prepare([] if is_labels else [volume], [volume] if is_labels else [])
-    return volumes
+            prepare([] if job.is_labels else [volume], [volume] if job.is_labels else [])
+        values = None
+        if job.like is not None:
+            look_like(volume, job.like)
+        elif not job.is_labels:
+            values = robust_range(volume)
+            auto_isovalue(volume)
+        read[job.key] = volume, values
+    return read

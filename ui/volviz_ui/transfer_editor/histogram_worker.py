@@ -87,8 +87,10 @@ class HistogramWorker(QObject):
     def set_volume(self, volume: Volume | None) -> None:
         """Count another volume; what still runs for the old one is dropped."""
         self.workers.cancel(WORK)
+        before = self.counts, self.is_done
         self.counts, self.is_done = None, volume is None
-        self.changed.emit()
+        if before != (self.counts, self.is_done):
+            self.changed.emit()
         if volume is None:
             return
 

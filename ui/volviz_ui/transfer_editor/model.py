@@ -251,7 +251,7 @@ class EditorModel(QObject):
             return
         before = self._shown
         is_other = self._read()
-        if old.volume is not new.volume:
+        if not _is_same_data(old, new):
             self.range_changed.emit()
         elif not is_other:
             return
@@ -261,3 +261,11 @@ class EditorModel(QObject):
             self._color_point = None
         self.function_changed.emit()
         self.selection_changed.emit()
+
+
+def _is_same_data(old: LoadedScene, new: LoadedScene) -> bool:
+    """Whether the values are those of before, or of another time point, which leaves the axis as it is."""
+    before, after = old.scene.layer, new.scene.layer
+    if before is None or after is None:
+        return before is after
+    return before.key.ref == after.key.ref and before.channel == after.channel

@@ -11,6 +11,7 @@ from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSpinBox, QToolButton, QWidget
 
+from volviz.model.time_range import TimeRange
 from volviz_ui.editors.number import NoWheelSlider
 from volviz_ui.session.time_player import TimePlayer
 from volviz_ui.style.icons import set_icon
@@ -54,7 +55,7 @@ class TimeBar(QWidget):
             widget.setToolTip(tr("Which time point is shown, counted from 0"))
         self.seconds: QLabel = quiet_label(parent=self)
         self.seconds.setToolTip(tr("When this time point was measured"))
-        self.options = small_button("dots-three-vertical", tr("Repeating, speed"), self)
+        self.options = small_button("dots-three-vertical", tr("Repeating, speed, colours"), self)
         self.options.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.menu = QMenu(self)
         self.menu.setToolTipsVisible(True)
@@ -135,6 +136,16 @@ class TimeBar(QWidget):
             player.speed,
             self._set_speed,
         )
+        self._choices(
+            tr("Colours"),
+            [
+                ("fixed", tr("A value has one colour at all times")),
+                ("widest", tr("Over the values of all time points seen")),
+                ("each", tr("Over the values of each time point")),
+            ],
+            player.time_range,
+            self._set_time_range,
+        )
         if self._pace():
             self.menu.addAction(self._pace()).setEnabled(False)
 
@@ -152,6 +163,9 @@ class TimeBar(QWidget):
 
     def _set_speed(self, speed: float, *_checked: object) -> None:
         self._player.set_speed(speed)
+
+    def _set_time_range(self, choice: TimeRange, *_checked: object) -> None:
+        self._player.set_time_range(choice)
 
 
 def _seconds(seconds: float, times: Sequence[float]) -> str:

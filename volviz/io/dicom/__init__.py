@@ -7,5 +7,3 @@ Positions and directions are LPS in millimetres already (DICOM PS3.3, C.7.6.2.1.
 
 from volviz.io.dicom.finding import sniff as sniff
 from volviz.io.dicom.reading import open_source as open_source
-
-SUFFIXES = (".dcm", ".dicom", ".ima")

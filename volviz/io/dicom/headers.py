@@ -6,7 +6,6 @@ import gzip
 import io
 import math
 import os
-import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Literal
@@ -14,31 +13,19 @@ from typing import IO, TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from volviz.io.dicom.finding import opened
+from volviz.io.dicom.full_headers import full_header
+from volviz.io.dicom.quick_headers import quick_header
 from volviz.io.dicom.tiles import Tiles, tiles_of
 from volviz.volume_data.description import Label
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from volviz.io.dicom.full_headers import FullHeader
+    from volviz.io.dicom.quick_headers import QuickHeader
     from volviz.io.geometry import Vector
 
-_TAGS: tuple[str | int, ...] = (
-    "SOPClassUID", "SeriesInstanceUID", "Modality", "ImageType", "InstanceNumber", "AcquisitionNumber",
-    "TemporalPositionIdentifier", "TriggerTime", "FrameReferenceTime", "EchoTime", "EchoNumbers", "DiffusionBValue",
-    "DiffusionGradientOrientation", "Rows", "Columns", "NumberOfFrames", "SamplesPerPixel", "BitsAllocated",
-    "PixelRepresentation", "PhotometricInterpretation", "ImagePositionPatient", "ImageOrientationPatient",
-    "PixelSpacing", "ImagerPixelSpacing", "SliceThickness", "SpacingBetweenSlices", "RescaleSlope",
-    "RescaleIntercept", "RescaleType", "BitsStored", "Units", "SharedFunctionalGroupsSequence",
-    "PerFrameFunctionalGroupsSequence", "DimensionIndexSequence", "GridFrameOffsetVector", "DoseGridScaling",
-    "DoseUnits", "DetectorInformationSequence", "SliceVector", "EnergyWindowVector", "TimeSlotVector",
-    "SegmentationType", "MaximumFractionalValue", "SegmentSequence",
-    # NumberOfImagesInMosaic and Siemens' header; numbers and places of UIH's tiles; each with its private creator
-    0x00190010, 0x0019100A, 0x00290010, 0x00291010, 0x00650010, 0x00651050, 0x00651051,
-)  # fmt: skip
-
-#: Keywords by their tags; pydicom, which knows them, is imported when the first file is read.
-_KEYWORDS: dict[int, str] = {}
-_WANTED: list[Any] = []
+    AnyHeader = QuickHeader | FullHeader
 
 PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
 #: Dimensions of a multi-frame file that only repeat where a frame lies.
@@ -179,70 +166,54 @@ class Frame:
 
 def read_frames(path: Path) -> tuple[Frame, ...]:
     """Frames of one file; none when it is no image or its header is damaged."""
-    import pydicom
-    from pydicom.config import disable_value_validation
-    from pydicom.tag import Tag
-
-    if not _KEYWORDS:
-        _WANTED.extend(Tag(name) for name in _TAGS)
-        _KEYWORDS.update({int(Tag(name)): name for name in _TAGS if isinstance(name, str)})
     try:
         stream = opened(path)
     except gzip.BadGzipFile:
         return ()
-    with warnings.catch_warnings(), disable_value_validation(), stream:
-        warnings.simplefilter("ignore")
+    with stream:
+        quick = quick_header(stream)
         try:
-            data = pydicom.dcmread(stream, stop_before_pixels=True, specific_tags=_WANTED, force=True)
-            header = Header(data)
-            if "Rows" not in header or "Columns" not in header:
-                return ()
-            syntax = getattr(data.file_meta, "TransferSyntaxUID", None)
-            compressed = bool(syntax is not None and syntax.is_compressed)
-            deflated = bool(syntax is not None and syntax.is_deflated)
-            file = _file(path, header, compressed=compressed and not deflated)
-            if not compressed and not deflated and not isinstance(stream, io.BytesIO):
-                file = replace(file, plain=_plain_pixels(file, header, stream, data.original_encoding))
-            frames = tuple(_frames(file, header))
+            if quick is not None:
+                return _frames_of(path, quick, stream)
+            with full_header(stream) as full:
+                return _frames_of(path, full, stream)
         except OSError:
             raise
         except Exception:  # noqa: BLE001 - what a damaged header raises inside the library has no end
             return ()
-        # pydicom stopped at the tag of the pixel data: 2 + 2 bytes of tag, then VR and length, or the length alone
-        if not compressed and not deflated:
-            there = _size(stream) - stream.tell() - 8
-            if there < _bytes_of_pixels(file):
-                return tuple(replace(frame, file=replace(file, cut_off=True)) for frame in frames)
-    return frames
 
 
-def _size(stream: IO[bytes]) -> int:
-    here = stream.tell()
-    size = stream.seek(0, os.SEEK_END)
-    stream.seek(here)
-    return size
+def _frames_of(path: Path, header: AnyHeader, stream: IO[bytes]) -> tuple[Frame, ...]:
+    if "Rows" not in header or "Columns" not in header:
+        return ()
+    file = _file(path, header)
+    if not file.compressed and not header.is_deflated:
+        size = stream.seek(0, os.SEEK_END)
+        if not isinstance(stream, io.BytesIO):
+            file = replace(file, plain=_plain_pixels(file, header, stream))
+        # behind the tag of the pixels stand their type and length, or the length alone
+        if size - header.pixels - 8 < _bytes_of_pixels(file):
+            file = replace(file, cut_off=True)
+    return tuple(_frames(file, header))
 
 
-def _plain_pixels(
-    file: ImageFile, header: Header, stream: Any, encoding: tuple[bool | None, bool | None]
-) -> PlainPixels | None:
-    """Where uncompressed pixels begin, at the element at which the stream stands; None where they need pydicom."""
+def _plain_pixels(file: ImageFile, header: AnyHeader, stream: IO[bytes]) -> PlainPixels | None:
+    """Where uncompressed pixels begin; None where they need pydicom."""
     used = int(header.get("BitsStored", file.bits) or file.bits)
     grey = file.interpretation in ("MONOCHROME1", "MONOCHROME2")
     if not grey or file.samples != 1 or file.bits not in (8, 16, 32) or not 0 < used <= file.bits:
         return None
-    implicit, little = encoding
-    start = stream.tell()
+    stream.seek(header.pixels)
     element = stream.read(12)
-    stream.seek(start)
-    order: Literal["little", "big"] = "little" if little else "big"
+    order: Literal["little", "big"] = "little" if header.is_little else "big"
     tag = tuple(int.from_bytes(element[at : at + 2], order) for at in (0, 2))
-    length = int.from_bytes(element[4:8] if implicit else element[8:12], order)
+    length = int.from_bytes(element[4:8] if header.is_implicit else element[8:12], order)
     if tag != (0x7FE0, 0x0010) or not _bytes_of_pixels(file) <= length < 0xFFFFFFFF:
         return None
-    kind = f"{'<' if little else '>'}{'i' if file.is_signed else 'u'}{file.bits // 8}"
+    kind = f"{'<' if header.is_little else '>'}{'i' if file.is_signed else 'u'}{file.bits // 8}"
     now = file.path.stat()
-    return PlainPixels(start + (8 if implicit else 12), kind, used, now.st_size, now.st_mtime_ns)
+    start = header.pixels + (8 if header.is_implicit else 12)
+    return PlainPixels(start, kind, used, now.st_size, now.st_mtime_ns)
 
 
 def _bytes_of_pixels(file: ImageFile) -> int:
@@ -251,7 +222,7 @@ def _bytes_of_pixels(file: ImageFile) -> int:
     return file.rows * file.columns * samples * file.count * file.bits // 8
 
 
-def _file(path: Path, header: Any, *, compressed: bool) -> ImageFile:
+def _file(path: Path, header: AnyHeader) -> ImageFile:
     modality = str(header.get("Modality", "") or "")
     segments = header.get("SegmentSequence") if "SegmentationType" in header else None
     fractional = str(header.get("SegmentationType", "")) == "FRACTIONAL"
@@ -265,7 +236,7 @@ def _file(path: Path, header: Any, *, compressed: bool) -> ImageFile:
         samples=int(header.get("SamplesPerPixel", 1) or 1),
         bits=int(header.get("BitsAllocated", 16) or 16),
         is_signed=bool(header.get("PixelRepresentation", 0)),
-        compressed=compressed,
+        compressed=header.is_compressed,
         interpretation=str(header.get("PhotometricInterpretation", "")),
         unit=_unit(modality, header),
         labels=None
@@ -274,36 +245,6 @@ def _file(path: Path, header: Any, *, compressed: bool) -> ImageFile:
         fractional=float(header.get("MaximumFractionalValue", 255) or 255) if fractional else 0.0,
         tiles=tiles_of(header),
     )
-
-
-class Header:
-    """What pydicom has read, with a quick answer for what is not there: most of what is asked for."""
-
-    def __init__(self, data: Any) -> None:
-        self._data = data
-        self._names = {_KEYWORDS[tag] for tag in data.keys() if tag in _KEYWORDS}  # noqa: SIM118 - a data set iterates over its elements
-        self._found: dict[str, Any] = {}
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._names
-
-    def __getitem__(self, tag: int) -> Any:
-        return self._data[tag]
-
-    def __getattr__(self, name: str) -> Any:
-        if name not in self._names:
-            raise AttributeError(name)
-        return self.get(name)
-
-    def get(self, name: str | int | tuple[int, int], default: Any = None) -> Any:
-        """Value of a keyword, or element of a tag."""
-        if not isinstance(name, str):
-            return self._data.get(name, default)
-        if name not in self._names:
-            return default
-        if name not in self._found:
-            self._found[name] = self._data.get(name, default)
-        return self._found[name]
 
 
 class _Finder:

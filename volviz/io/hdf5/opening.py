@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from volviz.io.endings import HDF5
 from volviz.io.entries import choose_entry
 from volviz.io.hdf5.axes import lattice_of, nexus_default
 from volviz.io.hdf5.bigdataviewer import bigdataviewer_source, data_of, is_bigdataviewer, xml_of
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from volviz.io.file_source import FileSource
     from volviz.io.reader import LoadRequest
 
-SUFFIXES = (".h5", ".hdf5", ".hdf", ".he5", ".h5j", ".nxs", ".nx", ".ims", ".ilp", ".vtkhdf", ".xml")
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _DESCRIPTION = b"<SpimData"
@@ -47,13 +47,13 @@ def open_source(request: LoadRequest) -> FileSource:
     def work() -> FileSource:
         with opened(request.path) as file:
             if is_imaris(file):
-                return imaris_source(request, file, SUFFIXES)
+                return imaris_source(request, file, HDF5)
             if is_vtkhdf(file):
-                return vtkhdf_source(request, file, SUFFIXES)
+                return vtkhdf_source(request, file, HDF5)
             if is_bigdataviewer(file):
                 beside = request.path.with_suffix(".xml")
                 xml = xml_of(beside) if beside.is_file() else None
-                return bigdataviewer_source(request, request.path, file, xml, SUFFIXES)
+                return bigdataviewer_source(request, request.path, file, xml, HDF5)
             return _dataset_source(request, file)
 
     return on_thread(request, work)
@@ -68,7 +68,7 @@ def _open_xml(request: LoadRequest) -> FileSource:
         with opened(data) as file:
             if not is_bigdataviewer(file):
                 raise request.error("this HDF5 file is none of BigDataViewer.", data)
-            return bigdataviewer_source(request, data, file, xml, SUFFIXES)
+            return bigdataviewer_source(request, data, file, xml, HDF5)
 
     return on_thread(request, work, data)
 
@@ -99,7 +99,7 @@ def _dataset_source(request: LoadRequest, file: h5py.File) -> FileSource:
         unit=_value_unit(dataset),
         length_unit=lattice.length_unit,
         format="HDF5",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, HDF5),
         content=content_id(str(request.path)),
         entries=entries,
     )

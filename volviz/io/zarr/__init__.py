@@ -5,6 +5,6 @@ Sources: "OME-Zarr specification" 0.4 and 0.5 (ngff.openmicroscopy.org), "Zarr c
 (neuroglancer-docs.web.app). The arrays themselves are read by tensorstore.
 """
 
-from volviz.io.zarr.opening import SUFFIXES, is_store_address, open_source, sniff
+from volviz.io.zarr.opening import is_store_address, open_source, sniff
 
-__all__ = ["SUFFIXES", "is_store_address", "open_source", "sniff"]
+__all__ = ["is_store_address", "open_source", "sniff"]

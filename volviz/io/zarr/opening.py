@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from volviz.io.axes import axis_letter, usual_axes
+from volviz.io.endings import ZARR
 from volviz.io.entries import choose_entry
 from volviz.io.geometry import Geometry
 from volviz.io.pyramid import StoredLevel, pyramid_source
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
     from volviz.io.reader import LoadRequest
     from volviz.io.zarr.finding import Found
     from volviz.io.zarr.store import Node, StoredArray
-
-SUFFIXES = (".zarr", ".ome.zarr", ".zarr.zip", ".ome.zarr.zip", ".ozx", ".n5")
 
 
 def sniff(head: bytes, path: Path) -> bool:
@@ -108,7 +107,7 @@ def _image(request: LoadRequest, store: Store, chosen: Found, found: Sequence[Fo
         labels=ome.labels_of(labels) if isinstance(labels, dict) else (),
         length_unit=unit,
         format="OME-Zarr",
-        name=own or stem(request.path, SUFFIXES),
+        name=own or stem(request.path, ZARR),
         content=_content(request, store),
         entries=[each.entry for each in found],
     )
@@ -160,7 +159,7 @@ def _plain(request: LoadRequest, store: Store, chosen: Found, found: Sequence[Fo
         colour="S" in axes,
         length_unit=unit,
         format="N5" if node.driver == "n5" else "Zarr",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, ZARR),
         content=_content(request, store),
         entries=[each.entry for each in found],
     )
@@ -209,7 +208,7 @@ def _precomputed(request: LoadRequest, store: Store, node: Node) -> FileSource:
         is_labels=labels,
         length_unit="nm",
         format="Neuroglancer precomputed",
-        name=stem(request.path, SUFFIXES),
+        name=stem(request.path, ZARR),
         content=_content(request, store),
     )
 

@@ -51,7 +51,7 @@ def merged(colors: Channel, opacities: Channel, like: TransferFunction) -> Trans
         raise InputError("colours and opacities each need at least one stop.")
     points = []
     for value in sorted({s.value for s in colors} | {s.value for s in opacities}):
-        (color_before, color), (opacity_before, opacity) = _limits(colors, value), _limits(opacities, value)
+        (color_before, color), (opacity_before, opacity) = limits(colors, value), limits(opacities, value)
         if color_before != color or opacity_before != opacity:
             points.append(_point(value, color_before, opacity_before))
         points.append(_point(value, color, opacity))
@@ -70,7 +70,7 @@ def with_moved_point(channel: Channel, index: int, value: float) -> Channel:
 def with_point(channel: Channel, value: float) -> tuple[Channel, int]:
     """The channel with one more point that leaves it as it looks, and its index."""
     index = sum(s.value <= value for s in channel)
-    return (*channel[:index], ChannelPoint(value, _limits(channel, value)[1]), *channel[index:]), index
+    return (*channel[:index], ChannelPoint(value, limits(channel, value)[1]), *channel[index:]), index
 
 
 def without_point(channel: Channel, index: int) -> Channel:
@@ -155,7 +155,7 @@ def _needed(points: Sequence[ChannelPoint], tolerance: float) -> list[int]:
     return sorted(keep)
 
 
-def _limits(channel: Channel, value: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def limits(channel: Channel, value: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Level just below a value and at it; they differ at a jump."""
     at = [s for s in channel if s.value == value]
     if at:

@@ -53,6 +53,11 @@ def automatic_window(volume: Volume) -> tuple[float, float]:
     return known
 
 
+def keep_window(volume: Volume, window: tuple[float, float]) -> None:
+    """Let `automatic_window` of a volume be another one: that of the first time point of a series, say."""
+    _windows[volume] = window
+
+
 def grey_window(volume: Volume, level: float | None, width: float | None) -> tuple[float, float]:
     """The values that are shown black and white for a middle and a width in data units; None for automatic ones."""
     low, high = automatic_window(volume)

@@ -1,0 +1,25 @@
+"""Endings of the names of files, format by format: lower case, with the dot; the longest one that fits decides."""
+
+from __future__ import annotations
+
+NIFTI = (".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz")
+NRRD = (".nrrd", ".nhdr")
+METAIMAGE = (".mha", ".mhd")
+VTK = (".vti", ".vtk", ".vtr", ".pvti", ".pvtr")
+SLC = (".slc",)
+MRC = (".mrc", ".map", ".ccp4", ".mrcs", ".rec.mrc", ".st")
+MGH = (".mgh", ".mgz", ".mgh.gz")
+MINC = (".mnc", ".mnc2")
+AFNI = (".head", ".brik", ".brik.gz")
+PARREC = (".par", ".rec")
+GIPL = (".gipl", ".gipl.gz")
+INTERFILE = (".hv", ".h33", ".ahv", ".i33")
+DICOM = (".dcm", ".dicom", ".ima")
+ZARR = (".zarr", ".ome.zarr", ".zarr.zip", ".ome.zarr.zip", ".ozx", ".n5")
+HDF5 = (".h5", ".hdf5", ".hdf", ".he5", ".h5j", ".nxs", ".nx", ".ims", ".ilp", ".vtkhdf", ".xml")
+MATLAB = (".mat",)
+NPZ = (".npz",)
+TIFF = (".tif", ".tiff", ".ome.tif", ".ome.tiff", ".lsm", ".tf8", ".btf")
+PICTURES = (".png", ".jpg", ".jpeg", ".bmp")
+NUMPY = (".npy",)
+RAW = (".raw", ".raw.gz", ".bin", ".dat")

@@ -1,0 +1,117 @@
+"""Scenes without a window: read from files, their volumes read when they are needed and kept while they fit."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from volviz.custom_gl.registry import known_settings, technique
+from volviz.custom_gl.resolve import resolve
+from volviz.custom_gl.scene_techniques import drawn_spec
+from volviz.embedded_session import session_in
+from volviz.io import open as open_source
+from volviz.model.layers import Layer
+from volviz.model.movie import Surroundings
+from volviz.model.scene import Scene
+from volviz.model.session import SUFFIX, load_session, scene_from_dict
+from volviz.volume_data.references import VolumeKey, VolumeRef, content_id
+from volviz.volume_data.source import VolumeSource
+from volviz.volume_data.volume import Volume
+
+#: Bytes of volumes that are kept beyond those of the present scene.
+KEPT_BYTES = 512 << 20
+
+
+class SceneVolumes:
+    """Reads what the layers of scenes name.
+
+    Parameters
+    ----------
+    known : mapping from VolumeKey to Volume, optional
+        What has been read already.
+    """
+
+    def __init__(self, known: Mapping[VolumeKey, Volume] | None = None) -> None:
+        self._volumes: OrderedDict[VolumeKey, Volume] = OrderedDict(known or {})
+        self._sources: dict[VolumeRef, VolumeSource] = {}
+
+    def of(self, scene: Scene, cancel: Callable[[], bool] | None = None) -> dict[VolumeKey, Volume]:
+        """The volumes of a scene.
+
+        Raises
+        ------
+        VolvizError
+            A file cannot be read, has no such channel or time point, or `Cancelled`.
+        """
+        found: dict[VolumeKey, Volume] = {}
+        for layer in scene.layers:
+            key = layer.key
+            if key not in self._volumes:
+                source = self.source(layer)
+                self._volumes[key] = source.read(
+                    source.default_level, time=key.time, channel=key.channel, cancel=cancel
+                )
+            self._volumes.move_to_end(key)
+            found[key] = self._volumes[key]
+        spare = sum(v.array.nbytes for key, v in self._volumes.items() if key not in found)
+        for key in [key for key in self._volumes if key not in found]:
+            if spare <= KEPT_BYTES:
+                break
+            spare -= self._volumes.pop(key).array.nbytes
+        return found
+
+    def source(self, layer: Layer) -> VolumeSource:
+        """What a layer is read from, opened once."""
+        ref = layer.key.ref
+        if ref not in self._sources:
+            hints: dict[str, Any] = dict(ref.hints)
+            self._sources[ref] = open_source(ref.source, **hints)
+        return self._sources[ref]
+
+    def changed(self, scene: Scene) -> tuple[str, ...]:
+        """Files of a scene that are not what they were when the scene was stored."""
+        refs = {layer.key.ref for layer in scene.layers}
+        return tuple(sorted(r.source for r in refs if r.content_id and content_id(r.source) != r.content_id))
+
+    def surroundings(self, scene: Scene) -> Surroundings:
+        """What moves have to know of the volumes."""
+        bounds = np.array([volume.bounds for volume in self.of(scene).values()])
+        low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
+        (x0, x1), (y0, y1), (z0, z1) = zip(low.tolist(), high.tolist(), strict=True)
+        times = max((self.source(layer).sizes.get("t", 1) for layer in scene.layers), default=1)
+        return Surroundings(lambda name: technique(name).settings, (x0, x1, y0, y1, z0, z1), times)
+
+
+def framed(scene: Scene, volumes: Mapping[VolumeKey, Volume], size: tuple[int, int]) -> Scene:
+    """The scene with a camera in its active view, which frames what is visible where it has none.
+
+    Parameters
+    ----------
+    scene : Scene
+    volumes : mapping from VolumeKey to Volume
+        What its layers show.
+    size : tuple of 2 ints
+        Width and height of the image in pixels.
+    """
+    if scene.view.camera is not None:
+        return scene
+    camera = resolve(drawn_spec(scene), volumes).framing_camera(size)
+    return scene.with_camera(camera, scene.active_index)
+
+
+def scene_in(path: Path) -> Scene | None:
+    """The scene of a session file, or of a picture that carries one; None for any other file.
+
+    Raises
+    ------
+    LoadError
+        The session is damaged or newer than this program.
+    """
+    if path.name.lower().endswith(SUFFIX):
+        return load_session(path, known_settings)
+    carried = session_in(path) if path.is_file() else None
+    return None if carried is None else scene_from_dict(carried, known_settings, path.absolute().parent)
