@@ -57,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import bench, compare, convert, images, inspect, meshes, movies
+    from volviz.commands import bench, compare, convert, images, inspect, labels, meshes, movies
 
     parser = argparse.ArgumentParser(
         prog="volviz",
@@ -67,14 +67,14 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (images, movies, convert, compare, bench, meshes, inspect):
+    for module in (images, movies, convert, compare, bench, meshes, labels, inspect):
         module.add_commands(commands)
     return parser
 
 
 _COMMANDS = (
-    "render", "movie", "convert", "compare", "bench", "isosurface", "crosscheck", "info", "samples", "techniques",
-    "presets", "looks", "doctor",
+    "render", "movie", "convert", "compare", "bench", "isosurface", "crosscheck", "labels", "info", "samples",
+    "techniques", "presets", "looks", "doctor",
 )  # fmt: skip
 
 
