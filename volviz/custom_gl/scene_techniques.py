@@ -123,10 +123,19 @@ def with_look(scene: Scene, look: Look) -> Scene:
     Views that are compared, and slices, keep their techniques.
     """
     scene = scene.with_layer(transfer_function=look.transfer_function)
-    volumes = [number for number, view in enumerate(scene.views) if not view.own_camera]
-    if len(volumes) != 1:
-        return scene
-    return with_technique(scene, look.technique, look.settings, volumes[0])
+    volumes = _volume_views(scene)
+    return with_technique(scene, look.technique, look.settings, volumes[0]) if len(volumes) == 1 else scene
+
+
+def can_take_looks(scene: Scene) -> bool:
+    """Whether one view shows one volume, which looks are made for."""
+    seen = [layer for layer in scene.layers if layer.visible]
+    return seen == [scene.layer] and len(_volume_views(scene)) == 1
+
+
+def _volume_views(scene: Scene) -> list[int]:
+    """Numbers of the views that are no slices with cameras of their own."""
+    return [number for number, view in enumerate(scene.views) if not view.own_camera]
 
 
 def with_technique(

@@ -12,9 +12,10 @@ from volviz.measure.label_table import label_statistics
 from volviz.measure.lengths import angle, distance, polyline
 from volviz.measure.points import isovalue_point, label_point, maximum_point, opacity_point
 from volviz.measure.profiles import Profile, profile
-from volviz.measure.results import Measured, Point
+from volviz.measure.results import Measured
 from volviz.measure.surfaces import isosurface_volume
 from volviz.measure.voxel_counts import label_volumes, threshold_volume
+from volviz.model.measurements import Point
 
 __all__ = [
     "Area",

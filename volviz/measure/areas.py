@@ -12,15 +12,8 @@ import numpy.typing as npt
 
 from volviz.errors import InputError
 from volviz.measure.lengths import path_length
-from volviz.measure.results import (
-    COVERAGE,
-    Float64Array,
-    Measured,
-    PointLike,
-    as_point,
-    length_unit,
-    propagated,
-)
+from volviz.measure.results import Float64Array, Measured, PointLike, as_point, length_unit, propagated
+from volviz.model.measurements import COVERAGE
 from volviz.volume_data.volume import Volume
 
 Inside = Callable[[Float64Array], npt.NDArray[np.bool_]]

@@ -16,7 +16,8 @@ import numpy as np
 
 from volviz.errors import InputError
 from volviz.measure.noise import noise_of
-from volviz.measure.results import COVERAGE, Float64Array, Point, along
+from volviz.measure.results import Float64Array, along
+from volviz.model.measurements import COVERAGE, Point
 from volviz.model.transfer.function import TransferFunction
 from volviz.reference.rays import box_interval, index_limits
 from volviz.reference.surface_pick import values_at

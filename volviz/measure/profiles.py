@@ -13,7 +13,8 @@ import numpy as np
 
 from volviz.errors import InputError
 from volviz.measure.noise import noise_of
-from volviz.measure.results import COVERAGE, Float64Array, PointLike, as_point, length_unit
+from volviz.measure.results import Float64Array, PointLike, as_point, length_unit
+from volviz.model.measurements import COVERAGE
 from volviz.reference.slices import resample
 from volviz.volume_data.volume import Volume
 

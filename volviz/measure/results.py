@@ -1,4 +1,4 @@
-"""What measuring gives: numbers with an error, points that are known to some extent."""
+"""What measuring gives: numbers with an error; and how errors of points become errors of numbers."""
 
 from __future__ import annotations
 
@@ -10,15 +10,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from volviz.volume_data.vectors import Vector, finite_vector
+from volviz.model.measurements import COVERAGE, Covariance, Point
+from volviz.volume_data.vectors import finite_vector
 from volviz.volume_data.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
-Covariance = tuple[Vector, Vector, Vector]
-
-#: Standard deviations to either side that hold 95 of 100 values of a normal distribution.
-COVERAGE = 1.96
-_NO_COVARIANCE: Covariance = ((0.0,) * 3, (0.0,) * 3, (0.0,) * 3)
 
 
 @dataclass(frozen=True)
@@ -48,33 +44,6 @@ class Measured:
     def to_dict(self) -> dict[str, Any]:
         """As plain values, for JSON."""
         return {"value": self.value, "unit": self.unit, "error": self.error}
-
-
-@dataclass(frozen=True)
-class Point:
-    """A world point, how well it is known and by which rule it was found.
-
-    Attributes
-    ----------
-    position : tuple of 3 floats
-        World point (x, y, z).
-    covariance : tuple of 3 tuples of 3 floats
-        Of the position, in squared world units; zero where it is exact.
-    rule : str
-        How it was found: "placed", "isovalue", "opacity", "maximum" or "label".
-    number : float or None
-        The number that belongs to the rule: the isovalue, the value there, the label.
-    """
-
-    position: Vector
-    covariance: Covariance = _NO_COVARIANCE
-    rule: str = "placed"
-    number: float | None = None
-
-    @property
-    def error(self) -> float:
-        """Half-width of the 95 % interval along the direction in which the point is known worst, in world units."""
-        return COVERAGE * math.sqrt(max(float(np.linalg.eigvalsh(np.asarray(self.covariance))[-1]), 0.0))
 
 
 PointLike = Point | Sequence[float]

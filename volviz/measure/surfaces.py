@@ -17,7 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.errors import Cancelled, InputError
-from volviz.measure.results import COVERAGE, Float64Array, Measured, cell_volume, length_unit
+from volviz.measure.results import Float64Array, Measured, cell_volume, length_unit
+from volviz.model.measurements import COVERAGE
 from volviz.volume_data.volume import Volume
 
 #: By how much the error of the second order, a third of what both levels differ by, is widened. Roache takes 3 for two

@@ -18,8 +18,9 @@ import numpy.typing as npt
 
 from volviz.errors import InputError
 from volviz.measure.noise import noise_of
-from volviz.measure.results import COVERAGE, Float64Array, Measured, cell_volume, length_unit
+from volviz.measure.results import Float64Array, Measured, cell_volume, length_unit
 from volviz.model.clipping import Clipping
+from volviz.model.measurements import COVERAGE
 from volviz.reference.slices import index_box
 from volviz.volume_data.volume import Volume
 

@@ -12,6 +12,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
+from volviz.model.measurements import Measurement
 from volviz.model.movie import Movie
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.time_range import TimeRange
@@ -83,6 +84,8 @@ class Scene:
         Views of equal size, or the first one large beside the others.
     active_layer : int
         Number of the layer that panels act on, where it is an image layer (see `layer`).
+    measurements : tuple of Measurement
+        What is measured and marked in the world.
     time_range : {"fixed", "widest", "each"}
         How colours follow the values from one time point to the next (`volviz.model.time_range`).
     movie : Movie
@@ -99,6 +102,7 @@ class Scene:
     cursor: Vector | None = None
     layout: Layout = "grid"
     active_layer: int = 0
+    measurements: tuple[Measurement, ...] = ()
     time_range: TimeRange = "fixed"
     movie: Movie[Scene] = Movie()
 

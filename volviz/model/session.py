@@ -19,6 +19,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import MOST_VIEWS, Comparison
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.light import Light
+from volviz.model.measurements import measurement_from_dict, measurement_to_dict
 from volviz.model.movie import Movie
 from volviz.model.movies.files import movie_from_dict, movie_to_dict
 from volviz.model.parameters import make_settings, parameters_of, setting_values
@@ -28,7 +29,7 @@ from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.references import VolumeRef
 
 #: Version that this program writes.
-VERSION = 4
+VERSION = 5
 _LAYER_KINDS: dict[str, type[ImageLayer | LabelLayer]] = {"image": ImageLayer, "labels": LabelLayer}
 KIND = "volviz session"
 SUFFIX = ".volviz.json"
@@ -65,6 +66,7 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
         "cursor": scene.cursor,
         "layout": scene.layout,
         "active_layer": scene.active_layer,
+        "measurements": [measurement_to_dict(each) for each in scene.measurements],
         "time_range": scene.time_range,
         "movie": movie_to_dict(scene.movie, lambda frame: _key_frame_to_dict(frame, folder)),
     }
@@ -197,9 +199,10 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         layout=LAYOUTS[LAYOUTS.index(data["layout"])],
         # absent where the session was written before there were several layers to choose from
         active_layer=int(data.get("active_layer", 0)),
+        measurements=tuple(measurement_from_dict(each) for each in data["measurements"]),
         # likewise of time points
         time_range=_time_range(data.get("time_range", "fixed")),
-        movie=movie_from_dict(data["movie"], lambda frame: _scene(frame, settings_of, folder)),
+        movie=movie_from_dict(data["movie"], lambda frame: scene_from_dict(frame, settings_of, folder)),
     )
 
 
@@ -290,9 +293,15 @@ def _to_version_4(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "movie": {"steps": [], "fps": 24, "title": "", "stamp": False}}
 
 
+def _to_version_5(data: dict[str, Any]) -> dict[str, Any]:
+    """Measurements."""
+    return {**data, "measurements": []}
+
+
 #: Takes the data of a version, gives that of the next one; applied one after another.
 CONVERTERS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {
     1: _to_version_2,
     2: _to_version_3,
     3: _to_version_4,
+    4: _to_version_5,
 }

@@ -18,6 +18,8 @@ from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
+from volviz.model.measurement_edits import with_measurement, with_measurement_changed, without_measurements
+from volviz.model.measurements import Measurement, Point
 from volviz.model.parameters import parameter
 from volviz.model.scene import Scene, SceneView
 from volviz.model.session import VERSION, load_session, save_session, scene_from_dict, scene_to_dict
@@ -221,6 +223,20 @@ def test_a_session_of_version_2_has_one_camera_and_no_cross_hair() -> None:
     assert scene_from_dict({**data, "version": 2}, settings_of) == scene
     moved = replace(scene, cursor=(1.0, 2.0, 3.0), layout="large")
     assert scene_from_dict(scene_to_dict(moved), settings_of) == moved
+
+
+def test_measurements_are_kept_and_older_sessions_have_none() -> None:
+    scene = a_scene("sample:engine")
+    data = scene_to_dict(scene)
+    del data["measurements"]
+    assert scene_from_dict({**data, "version": 4}, settings_of) == scene
+    found = Point((1.0, 2.0, 3.0), ((0.1, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.3)), "isovalue", 42.0)
+    measured = with_measurement(scene, Measurement("distance", (found, Point((4.0, 5.0, 6.0))), locked=True))
+    named = with_measurement(measured, Measurement("arrow", (found, found), "here", visible=False))
+    assert [each.name for each in named.measurements] == ["Distance 1", "here"]
+    assert scene_from_dict(json.loads(json.dumps(scene_to_dict(named))), settings_of) == named
+    assert without_measurements(named, {0, 1}).measurements == measured.measurements
+    assert with_measurement_changed(measured, 0, points=(found, found)) == measured
 
 
 def test_a_text_file_is_no_session(tmp_path: Path) -> None:

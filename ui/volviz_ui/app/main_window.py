@@ -24,6 +24,8 @@ from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.commands.edit import EditCommands
 from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.help import HelpCommands
+from volviz_ui.commands.looks import LookCommands
+from volviz_ui.commands.picture import PictureCommands
 from volviz_ui.commands.presets import PresetsOfFunction
 from volviz_ui.commands.session import SessionCommands
 from volviz_ui.commands.table import CommandTable
@@ -194,9 +196,11 @@ class MainWindow(QMainWindow):
         context = self.context
         self.commands = CommandTable(context)
         self.session_commands = SessionCommands(context)
-        self.file_commands = FileCommands(context, self.session_commands)
+        self.picture_commands = PictureCommands(context)
+        self.file_commands = FileCommands(context, self.session_commands, self.picture_commands)
+        self.look_commands = LookCommands(context, self.thumbnails.request)
         self.time_commands = TimeCommands(context)
-        self.view_commands = ViewCommands(context, self.time_commands)
+        self.view_commands = ViewCommands(context, self.look_commands, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
         self.technique_commands = TechniqueCommands(context)
         self.help_commands = HelpCommands(context, self.commands)
@@ -294,6 +298,8 @@ class MainWindow(QMainWindow):
     def _on_opened(self, opened: Opened) -> None:
         if not opened.key.ref.source.startswith(SAMPLE_PREFIX):
             self.preferences.add_recent(opened.key)
+        # keys mean the picture now
+        self.views.active.viewport.setFocus()
 
     def _show_volume(self, volume: Volume | None) -> None:
         # [*] is where the system shows that something is unsaved
@@ -414,7 +420,7 @@ class MainWindow(QMainWindow):
         if self.autosave is not None:
             self.autosave.close()
         self.session_commands.unsaved.close()
-        self.file_commands.close()
+        self.picture_commands.close()
         self.ray_inspector.close()
         self.transfer_editor.close_workers()
         self.measurements.close()

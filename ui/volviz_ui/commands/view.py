@@ -13,6 +13,7 @@ from volviz.model.camera import Camera
 from volviz.model.scene import Color, Layout, Scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, has_volume
+from volviz_ui.commands.looks import LookCommands
 from volviz_ui.commands.time import TimeCommands
 from volviz_ui.editors.simple import chosen_color
 from volviz_ui.views.camera_moves import axis_camera
@@ -24,8 +25,11 @@ SHOWN_AT_FIRST = {
     "axes": False,
     "marker": True,
     "bar": False,
-    "handles": True,
+    "scale": False,
+    "letters": True,
     "cross_hair": True,
+    "legend": False,
+    "handles": True,
 }
 
 
@@ -34,9 +38,10 @@ class ViewCommands(QObject):
 
     quality_changed = Signal(str)
 
-    def __init__(self, context: AppContext, time: TimeCommands) -> None:
+    def __init__(self, context: AppContext, looks: LookCommands, time: TimeCommands) -> None:
         super().__init__(context.window)
         self._context = context
+        self._looks = looks
         self._time = time
 
     def menu(self) -> Menu:
@@ -45,6 +50,7 @@ class ViewCommands(QObject):
         return Menu(
             tr("&View"),
             [
+                self._looks.menu(),
                 Command(
                     "view.reset_camera", tr("Re&set camera"), tr("See the whole volume again"), self.reset_camera,
                     keys=("Home", "F"), icon="frame-corners", enabled=has_volume,
@@ -64,7 +70,11 @@ class ViewCommands(QObject):
                 self._switch(
                     "marker", tr("&Orientation marker"), tr("Directions of the world, in the corner"), "M", "compass"
                 ),
-                self._switch("bar", tr("&Colour bar"), tr("Colours of the values"), "C"),
+                self._switch("bar", tr("&Colour bar"), tr("Colours of the values, with numbers"), "C"),
+                self._switch("scale", tr("Scal&e bar"), tr("A line of known length, in the corner"), "U"),
+                self._switch(
+                    "legend", tr("Le&gend"), tr("Names and colours of labels, and of several layers"), "G"
+                ),
                 self._switch(
                     "handles", tr("&Handles"),
                     tr("Knobs in the picture that move the light and the cut plane, where the technique has them"), "H",
@@ -122,7 +132,8 @@ class ViewCommands(QObject):
             layout("large", tr("Three slices beside a &large volume"),
                    tr("The volume large, three slices small at its right"), "Ctrl+Shift+D"),
             None,
-            self._switch("cross_hair", tr("&Cross-hair"), tr("Where the slices meet, and what lies at their edges")),
+            self._switch("cross_hair", tr("&Cross-hair"), tr("Where the slices meet")),
+            self._switch("letters", tr("L&etters at the edges"), tr("Right and left, front and back, head and feet")),
             Command(
                 "view.slices.centre", tr("Cross-hair to the &middle"), tr("Back to the middle of the volume"),
                 self.center_cursor, enabled=lambda state: state.scene.cursor is not None,
