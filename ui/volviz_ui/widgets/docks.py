@@ -17,8 +17,8 @@ class Docks(QObject):
     """The docks by name, and the places where they belong.
 
     "data", "technique" and "transfer" are there from the beginning: left, right, and at the foot over the whole width.
-    "ray", "compare", "labels" and "crosscheck" are hidden until somebody asks for them: beside the transfer function,
-    in tabs with the data, the others in tabs with the transfer function.
+    The others are hidden until somebody asks for them: "ray" beside the transfer function, "labels" and "crosscheck" in
+    tabs with it, "compare" and "movie" in tabs with the data.
     """
 
     def __init__(self, window: QMainWindow) -> None:
@@ -103,7 +103,9 @@ class Docks(QObject):
         self["ray"].setFloating(False)
         window.splitDockWidget(self["transfer"], self["ray"], Qt.Orientation.Horizontal)
         self["ray"].hide()
-        for name, place in (("crosscheck", "transfer"), ("labels", "transfer"), ("compare", "data")):
+        for name, place in (
+            ("crosscheck", "transfer"), ("labels", "transfer"), ("compare", "data"), ("movie", "data"),
+        ):  # fmt: skip
             self[name].setFloating(False)
             window.tabifyDockWidget(self[place], self[name])
             self[name].hide()
