@@ -78,7 +78,7 @@ def test_labels_are_listed_found_and_sorted(same_window: MainWindow, panel: Labe
     panel.table.sortByColumn(VOXELS, Qt.SortOrder.AscendingOrder)
     assert texts(panel, LABEL)[0] == "40"
     panel.table.sortByColumn(NAME, Qt.SortOrder.AscendingOrder)
-    for words, found in (("righ", ["8"]), ("4", ["40"]), ("x", []), ("", ["3", "8", "40"])):
+    for words, found in (("RIGHT", ["8"]), ("4", ["40"]), ("x", []), ("", ["3", "8", "40"])):
         panel.search.setText(words)
         assert texts(panel, LABEL) == found
     panel.table.sortByColumn(LABEL, Qt.SortOrder.AscendingOrder)
