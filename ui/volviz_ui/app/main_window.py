@@ -23,6 +23,7 @@ from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.commands.edit import EditCommands
 from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.help import HelpCommands
+from volviz_ui.commands.picture import PictureCommands
 from volviz_ui.commands.presets import PresetsOfFunction
 from volviz_ui.commands.session import SessionCommands
 from volviz_ui.commands.table import CommandTable
@@ -187,7 +188,8 @@ class MainWindow(QMainWindow):
         context = self.context
         self.commands = CommandTable(context)
         self.session_commands = SessionCommands(context)
-        self.file_commands = FileCommands(context, self.session_commands)
+        self.picture_commands = PictureCommands(context)
+        self.file_commands = FileCommands(context, self.session_commands, self.picture_commands)
         self.time_commands = TimeCommands(context)
         self.view_commands = ViewCommands(context, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
@@ -384,7 +386,7 @@ class MainWindow(QMainWindow):
         if self.autosave is not None:
             self.autosave.close()
         self.session_commands.unsaved.close()
-        self.file_commands.close()
+        self.picture_commands.close()
         self.ray_inspector.close()
         self.transfer_editor.close_workers()
         self.measurements.close()
