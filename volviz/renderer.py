@@ -183,7 +183,7 @@ class Renderer:
             Of a volume; the default is made from its histogram.
         camera : Camera or triple, optional
             A `volviz.Camera`, or position, focal point and view up as PyVista writes them (view angle 30
-            degrees); the default frames what is visible.
+            degrees); the default frames what is visible, with a look a stack of few slices from their faces.
         background : colour, optional
             Three floats 0..1 or a colour name makes the image opaque; None gives straight alpha.
         dtype : {"uint8", "float32"}
@@ -210,13 +210,15 @@ class Renderer:
         VolvizError
             Unusable arguments, or no usable OpenGL.
         """
-        view = View(
-            None if camera is None else Camera.coerce(camera), self._size, background_color(background)
-        )
         spec = spec_of(
             volume, technique, transfer_function=transfer_function, settings=settings, light=light,
             clipping=clipping, classic=classic, surface_colors=surface_colors, look=look, **values,
         )  # fmt: skip
+        if camera is not None:
+            camera = Camera.coerce(camera)
+        elif look is not None:
+            camera = resolve(spec).framing_camera(self._size, stacks_from_faces=True)
+        view = View(camera, self._size, background_color(background))
         contents = PictureContents.of(show, title)
         return self.draw(spec, view, dtype=dtype, contents=contents, progress=progress, cancel=cancel)
 

@@ -170,7 +170,8 @@ def draw(technique: str) -> None:
             )  # fmt: skip
             numbers = volviz.Volume((of.array > of.array.mean()).astype(np.uint8))
             labels = volviz.LabelLayer(numbers)
-            several = [((*layers, labels), {"mode": mode, "shading": True}) for mode, _ in MODES]
+            modes = [{"mode": mode} for mode, _ in MODES] if "mode" in names else [{}]
+            several = [((*layers, labels), {"shading": True} | mode) for mode in modes]
             for shown_layers, values in [*several, ((labels,), {})]:
                 handle.show(spec_of(shown_layers, technique, **values))
                 window.render()

@@ -87,7 +87,7 @@ def test_a_look_brings_technique_function_and_a_light_beside_the_eye() -> None:
     )  # fmt: skip
     assert np.array_equal(by_name, by_hand)
     assert np.array_equal(by_look, by_hand)
-    left, right = by_hand[24, 14, :3].mean(), by_hand[24, 34, :3].mean()
+    left, right = by_hand[24, 8, :3].mean(), by_hand[24, 39, :3].mean()
     assert left > 1.2 * right > 0
     red = volviz.render(ball, look="best", colors=((1.0, 0.0, 0.0),), specular=0.0, size=(48, 48))
     assert red[24, 24, 0] > 50 > red[24, 24, 1]
@@ -103,3 +103,16 @@ def test_a_look_is_refused_where_it_cannot_be() -> None:
     ):
         with pytest.raises(InputError, match=words):
             volviz.render(**values)
+
+
+@pytest.mark.parametrize("thin", [0, 1, 2])
+def test_with_a_look_a_stack_is_seen_from_the_face_of_its_slices(thin: int) -> None:
+    shape = [24, 24, 24]
+    shape[thin] = 3
+    stack = volviz.Volume(np.random.default_rng(0).normal(100.0, 20.0, shape).astype(np.float32))
+    look = volviz.looks(stack)["brightest"]
+    seen = volviz.render(stack, look=look, size=(64, 64))[..., 3] > 0
+    plain = volviz.render(stack, technique="raycast", transfer_function=look.transfer_function, size=(64, 64))
+    assert seen.mean() > 0.4
+    if thin == 0:
+        assert (plain[..., 3] > 0).mean() < 0.6 * seen.mean()

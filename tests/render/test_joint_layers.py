@@ -11,15 +11,18 @@ import numpy.typing as npt
 import pytest
 
 import volviz
-from tests.render.scenes import SIZE, blobs, camera, function, image, matrices, volume
+from tests.render.scenes import SIZE, blobs, camera, function, image, matrices, psnr, volume
 from volviz import ImageLayer
 from volviz.custom_gl.registry import technique
 from volviz.custom_gl.resolve import resolve
+from volviz.custom_gl.settings import CLASSIFYING_MODES
 from volviz.errors import InputError
 from volviz.model.render_spec import RenderSpec
 from volviz.model.transfer.function import table_size
 from volviz.reference.image import MODES, Shading
-from volviz.reference.layers import ReferenceLayer, Sampling, reference_layers
+from volviz.reference.layer_rays import ReferenceLayer, Sampling
+from volviz.reference.layer_shadows import reference_layer_shadows
+from volviz.reference.layers import reference_layers
 
 MAX_ERROR, MEAN_ERROR = 2 / 255, 0.5 / 255
 
@@ -45,12 +48,6 @@ def exact(
     low, high = shown.box_corners.min(axis=0), shown.box_corners.max(axis=0)
     around: Any = SimpleNamespace(bounds=[end for pair in zip(low, high, strict=True) for end in pair])
     view_matrix, projection = matrices(around, view, SIZE)
-    shading = None
-    if settings["shading"]:
-        shading = Shading(
-            settings["ambient"], settings["diffuse"], settings["specular"], settings["shininess"],
-            values.get("light_position"), (1.0, 1.0, 1.0), settings["gradient_delta"],
-        )  # fmt: skip
     found = []
     for layer in shown.layers:
         of, curve = layer.volume, layer.drawn_function
@@ -68,11 +65,22 @@ def exact(
                 values.get("crop"),
             )
         )
+    step = settings["step"] * min(min(layer.volume.spacing) for layer in shown.layers)
+    where = {"view": view_matrix, "projection": projection, "size": SIZE, "step_world": step}
+    if technique_id == "half_angle":
+        return reference_layer_shadows(
+            found, **where, light_position=values["light_position"], kappa=settings["attenuation_color"],
+            ambient=settings["ambient"], clip_planes=values.get("clip_planes", ()),
+        )  # fmt: skip
+    shading = None
+    if settings["shading"]:
+        shading = Shading(
+            settings["ambient"], settings["diffuse"], settings["specular"], settings["shininess"],
+            values.get("light_position"), (1.0, 1.0, 1.0), settings["gradient_delta"],
+        )  # fmt: skip
     return reference_layers(
-        found, view=view_matrix, projection=projection, size=SIZE,
-        step_world=settings["step"] * min(min(layer.volume.spacing) for layer in shown.layers),
-        first_sample=settings["first_sample"], mode=settings["mode"], attenuation=settings["attenuation"],
-        early_termination=settings["early_termination"],
+        found, **where, first_sample=settings["first_sample"], mode=settings["mode"],
+        attenuation=settings["attenuation"], early_termination=settings["early_termination"],
         sampling=Sampling(
             settings["interpolation"], settings["gradient_delta"], settings["gradient_opacity"],
             settings["density_threshold"], shading,
@@ -216,6 +224,12 @@ def test_the_order_of_layers_changes_no_bit() -> None:
     for order in ([5, 4, 3, 2, 1, 0], [2, 5, 0, 4, 1, 3]):
         other = volviz.render([layers[n] for n in order], size=SIZE, camera=view, dtype="float32")
         assert np.array_equal(first, other)
+    for technique_id in ("slicing", "half_angle"):
+        first, other = (
+            volviz.render(given, technique_id, size=SIZE, camera=view, dtype="float32")
+            for given in (layers, layers[::-1])
+        )
+        assert np.array_equal(first, other)
 
 
 def test_hidden_layers_change_no_bit_of_one_alone() -> None:
@@ -264,6 +278,55 @@ def test_a_registered_copy_lies_where_the_first_one_does() -> None:
     assert np.abs(both[..., 0] - both[..., 1]).max() <= 1 / 255
 
 
+@pytest.mark.parametrize("mode", MODES)
+def test_slices_of_every_mode_are_what_the_oracle_draws(mode: str) -> None:
+    values = {"step": 0.25, "early_termination": 1.0, "mode": mode}
+    layers = [channel(3, None, np.float32), elsewhere(31), elsewhere(32)]
+    if mode in CLASSIFYING_MODES:
+        assert_like_the_oracle(layers, camera(volume()), "slicing", **values)
+        return
+    # every ray shows something, and a short one along the silhouette may pass between two slices
+    layers = [replace(each, transfer_function=function(each.volume, RAMP)) for each in layers[:2]]
+    ours, oracle = (draw(layers, camera(volume()), "slicing", **values) for draw in (drawn, exact))
+    assert oracle[..., 3].max() > 0.1
+    assert psnr(ours, oracle) >= 45
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"shading": True},
+        {"clip_planes": (((17.0, 15.0, 13.0), (1.0, 0.3, 0.2)),)},
+        {"gradient_opacity": 0.8},
+    ],
+    ids=str,
+)
+def test_settings_of_slices_draw_what_the_oracle_draws(values: dict[str, Any]) -> None:
+    modulating = replace(channel(7, [(0.0, (1, 1, 1, 0)), (0.6, (1, 1, 1, 1))], np.float32), mode="modulate")
+    layers = [channel(3, None, np.float32), elsewhere(41), modulating]
+    assert_like_the_oracle(layers, camera(volume()), "slicing", step=0.25, early_termination=1.0, **values)
+
+
+@pytest.mark.parametrize("case", ["one lattice", "several", "cut and modulated"])
+def test_all_layers_throw_shadows_on_all_as_the_oracle_says(
+    case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "SIZE", (28, 28))
+    modulating = replace(channel(7, [(0.0, (1, 1, 1, 0)), (0.6, (1, 1, 1, 1))], np.float32), mode="modulate")
+    layers, values = {
+        "one lattice": (four()[:3], {}),
+        "several": ([channel(1, None), elsewhere(11)], {}),
+        "cut and modulated": (
+            [channel(3, None, np.float32), elsewhere(41), modulating],
+            {"clip_planes": (((17.0, 15.0, 13.0), (1.0, 0.3, 0.2)),)},
+        ),
+    }[case]
+    assert_like_the_oracle(
+        layers, camera(volume()), "half_angle", step=0.4, light_position=(-60.0, -70.0, 80.0), ambient=0.2,
+        attenuation_color=(0.3, 0.6, 1.0), light_buffer_size=128, **values,
+    )  # fmt: skip
+
+
 def test_techniques_that_draw_one_layer_say_so() -> None:
-    with pytest.raises(InputError, match="Slicing draws one layer and 2 are visible; hide the others"):
-        volviz.render(four()[:2], "slicing", size=SIZE)
+    with pytest.raises(InputError, match="Splatting draws one layer and 2 are visible; hide the others"):
+        volviz.render(four()[:2], "splatting", size=SIZE)

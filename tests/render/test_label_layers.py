@@ -19,7 +19,8 @@ from volviz.model.label_palette import LabelLook, label_colors
 from volviz.model.render_spec import RenderSpec
 from volviz.reference.image import Shading
 from volviz.reference.labels import ReferenceLabels
-from volviz.reference.layers import ReferenceLayer, Sampling, reference_layers
+from volviz.reference.layer_rays import ReferenceLayer, Sampling
+from volviz.reference.layers import reference_layers
 from volviz.volume_data.label_indices import label_indices_of
 
 #: Two balls that cut one another, and a slab behind them.
@@ -89,6 +90,55 @@ def test_surfaces_are_those_of_the_oracle(smooth: bool, opacity: float) -> None:
     # a ray along the rim of a surface meets it or not; the others agree
     assert np.quantile(difference, 0.97) <= 2 / 255
     assert difference.mean() <= 1 / 255
+
+
+def test_slices_have_the_surfaces_of_the_oracle() -> None:
+    of = labels()
+    ours, oracle = both([LabelLayer(of, {3: "red"}, opacity=0.7), fog(of)], technique="slicing", step=0.5)
+    assert oracle[..., 3].max() > 0.8
+    assert np.quantile(np.abs(np.clip(ours, 0, 1) - oracle).max(axis=-1), 0.97) <= 2 / 255
+    # borders along voxels, just where slabs meet
+    x, y, z = of.center
+    along = volviz.Camera((x, y, z + 90), (x, y, z), (0, 1, 0), parallel=True, parallel_scale=16.0)
+    rays, slices = (
+        volviz.render(
+            [LabelLayer(of, smooth=False)], each, size=SIZE, camera=along, dtype="float32", step=0.5
+        )
+        for each in ("raycast", "slicing")
+    )
+    assert np.mean(np.abs(rays - slices).max(axis=-1) > 2 / 255) < 0.01
+
+
+def test_half_angle_slices_have_the_surfaces_of_the_oracle_where_light_goes_everywhere() -> None:
+    of = labels()
+    light = {"headlight": True, "attenuation_color": (0, 0, 0), "light_buffer_size": 32}
+    ours, oracle = both([LabelLayer(of, {3: "red"}), fog(of)], technique="half_angle", step=0.5, **light)
+    assert oracle[..., 3].max() > 0.9
+    assert np.quantile(np.abs(np.clip(ours, 0, 1) - oracle).max(axis=-1), 0.97) <= 2 / 255
+
+
+def test_surfaces_of_labels_throw_shadows() -> None:
+    array = np.zeros((24, 24, 24), np.uint8)
+    array[16:20, 6:18, 6:18] = 1
+    wall = np.zeros(array.shape, np.float32)
+    wall[:4] = 1.0
+    plate, ground = LabelLayer(volviz.Volume(array)), volviz.Volume(wall)
+    curve = volviz.TransferFunction.from_points([(0.0, (1, 1, 1, 0.0)), (1.0, (1, 1, 1, 0.9))])
+    below = volviz.Camera((11.5, 11.5, 9.0), (11.5, 11.5, 0.0), (0, 1, 0), view_angle=70.0)
+
+    def drawn(opacity: float) -> Any:
+        return volviz.render(
+            [replace(plate, opacity=opacity), ImageLayer(ground, curve)], "half_angle", size=(49, 49), camera=below,
+            light_position=(11.5, 11.5, 5000.0), attenuation_color=(0.5, 0.5, 0.5), ambient=0.2, light_buffer_size=64,
+            dtype="float32",
+        )[..., 0]  # fmt: skip
+
+    lit, half, dark = (drawn(opacity) for opacity in (0.0, 0.75, 1.0))
+    assert dark[24, 24] == pytest.approx(0.2, abs=0.01)
+    # two surfaces, each of which lets (1 - 0.75)^0.5 pass
+    assert (half[24, 24] - 0.2) / (lit[24, 24] - 0.2) == pytest.approx(0.25, abs=0.02)
+    edge = np.abs(dark - lit) > 0.1
+    assert edge[24].sum() == pytest.approx(edge[:, 24].sum(), abs=1)
 
 
 def test_cut_labels_have_faces_and_masks_leave_only_what_they_hold() -> None:
@@ -168,7 +218,7 @@ def test_what_labels_cannot_be_is_said_in_words() -> None:
         ([LabelLayer(half)], {}, "labels are whole numbers, and it holds 1.5"),
         ([LabelLayer(of)], {"mode": "maximum"}, 'labels are surfaces, which the mode "maximum"'),
         ([LabelLayer(of, mode="mask")], {}, '"mask" acts on others and shows nothing'),
-        ([LabelLayer(of)], {"technique": "slicing"}, "Slicing draws no labels"),
+        ([LabelLayer(of)], {"technique": "splatting"}, "Splatting draws no labels"),
     ):
         with pytest.raises(InputError, match=words):
             volviz.render(layers, size=SIZE, **options)

@@ -98,7 +98,7 @@ def test_one_channel_without_a_look_is_the_volume_that_is_read(files: Path) -> N
         (["--channel", "0:nocolour"], "no preset, colour or colour map called 'nocolour'"),
         (["--channel", "0", "--channel", "7"], "channel"),
         (["--layer", "missing.nii"], "missing.nii"),
-        (["--layer", "other.npy", "-t", "slicing"], "Slicing draws one layer and 2 are visible"),
+        (["--layer", "other.npy", "-t", "splatting"], "Splatting draws one layer and 2 are visible"),
         (["--layer", "other.npy", "--plane", "axial"], "go with neither"),
     ],
 )

@@ -91,9 +91,9 @@ def test_a_technique_for_one_layer_draws_the_active_one_and_says_so(
 ) -> None:
     window.documents.add(other_file)
     wait_for(lambda: len(window.store.scene.layers) == 2)
-    window.store.update(lambda scene: scene.with_view(technique="slicing"), label="Slicing")
+    window.store.update(lambda scene: scene.with_view(technique="splatting"), label="Splatting")
     wait_for(lambda: is_complete(window))
-    assert window.data_panel.layers.words.text() == "Slicing draws the active layer; 1 other layer waits."
+    assert window.data_panel.layers.words.text() == "Splatting draws the active layer; 1 other layer waits."
     assert window.controller.handle.error is None
     assert window.controller.handle.volume is window.documents.volume
     assert "not in the picture" in script_of(window.store.scene, (32, 24))

@@ -79,7 +79,7 @@ def test_further_layers_are_drawn_or_said_not_to_be(times_file: str) -> None:
     )
     alone = volviz.render(volviz.load(times_file), size=(32, 24), transfer_function=FUNCTION)
     assert not np.array_equal(names["picture"], alone)
-    by_slices = script_of(Scene(layers, views=(SceneView("slicing"),)), (32, 24))
+    by_slices = script_of(Scene(layers, views=(SceneView("splatting"),)), (32, 24))
     assert by_slices.count("not in the picture") == 2
     assert np.array_equal(
         run(by_slices)["picture"],

@@ -26,6 +26,7 @@ def measures(subject: Subject, projection: Projection, style: Style) -> Iterator
     for measurement, words in subject.measurements:
         if not measurement.visible:
             continue
+        beside = words
         places = np.array([point.position for point in measurement.points])
         width = 1.75
         if subject.plane is not None:
@@ -34,8 +35,8 @@ def measures(subject: Subject, projection: Projection, style: Style) -> Iterator
             if np.all(away > reach) or np.all(away < -reach):
                 continue
             if np.any(np.abs(away) > reach):
-                width, words = 0.75, ""
-        yield from _measure(measurement, words, places, projection, style, width)
+                width, beside = 0.75, ""
+        yield from _measure(measurement, beside, places, projection, style, width)
 
 
 def _measure(

@@ -52,6 +52,7 @@ def add_commands(commands: Any) -> None:
     )
     add_look_options(parser)
     add_plane_options(parser)
+    add_contents_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -79,6 +80,13 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--background", default="black", metavar="COLOUR", help='name, #rrggbb or "none" for transparency'
     )
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
+                        help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
+    parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
+
+
+def add_contents_options(parser: argparse.ArgumentParser) -> None:
+    """What belongs into a picture beside the volume."""
     parser.add_argument(
         "--show", default="", metavar="NAMES", help=f"what stands around the volume: {', '.join(SWITCHES)}"
     )
@@ -93,9 +101,6 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--methods", action="store_true", help="print a sentence for the methods section of a paper, too"
     )
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
-                        help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
-    parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -239,7 +244,9 @@ def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Nam
     """The camera that the options ask for, around what is visible."""
     from volviz.custom_gl.resolve import resolve
 
-    camera = resolve(spec).framing_camera(size, options.azimuth, options.elevation)
+    camera = resolve(spec).framing_camera(
+        size, options.azimuth, options.elevation, stacks_from_faces=options.look is not None
+    )
     return replace(
         camera,
         view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),

@@ -53,6 +53,7 @@ def spec_of(
     VolvizError
         Unknown technique or setting, unusable value.
     """
+    check_kinds(transfer_function=transfer_function, light=light, clipping=clipping)
     if look is not None:
         if technique is not None or settings is not None or classic:
             raise InputError(
@@ -63,7 +64,6 @@ def spec_of(
     else:
         layers = layers_of(shown, transfer_function)
     info = technique_info(technique or DEFAULT_TECHNIQUE)
-    check_kinds(transfer_function=transfer_function, light=light, clipping=clipping)
     # under a light at the eye no shadow is seen, and shapes look flat
     first_light = Light(headlight=look is None and "light" not in info.manipulators)
     new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())

@@ -21,6 +21,11 @@ from volviz.volume_data.volume import Volume
 #: Viewing direction: degrees to the side of a look at a patient's face, and above the horizon.
 AZIMUTH, ELEVATION = -30.0, 15.0
 
+#: A volume whose shortest edge is below this share of the next one is a stack of slices, which one looks at from their
+#: faces; so many degrees from the side and from above, that their distance is seen.
+STACK = 0.35
+STACK_AZIMUTH, STACK_ELEVATION = -20.0, 25.0
+
 #: A brick counts as visible when it may hold at least this opacity: a veil does not decide the frame.
 VISIBLE_OPACITY = 0.004
 
@@ -75,17 +80,44 @@ def layers_camera(
     size: tuple[int, int],
     azimuth: float = 0.0,
     elevation: float = 0.0,
+    *,
+    stacks_from_faces: bool = False,
 ) -> Camera:
-    """The same for what the functions of several volumes show."""
+    """The same for what the functions of several volumes show.
+
+    With `stacks_from_faces`, a first volume of few slices is looked at from their faces (`face_of_stack`).
+    """
+    layers = list(layers)
     points = np.concatenate([visible_points(volume, function) for volume, function in layers])
-    return camera_around(points, size, azimuth, elevation)
+    face = face_of_stack(layers[0][0]) if stacks_from_faces else None
+    return camera_around(points, size, azimuth, elevation, face)
+
+
+def face_of_stack(volume: Volume) -> tuple[Vector, Vector] | None:
+    """Viewing direction and up that show the slices of a stack as their file holds them; None for no stack."""
+    shortest, next_one, _ = np.argsort(volume.extent)
+    if volume.extent[shortest] >= STACK * volume.extent[next_one]:
+        return None
+    i, j, k = volume.direction.T
+    # rows of an image go down; what is not an image has its second axis upwards
+    right, up = {0: (j, k), 1: (i, k), 2: (i, -j)}[int(shortest)]
+    x, y, z = (float(v) for v in np.cross(up, right))
+    return (x, y, z), (float(up[0]), float(up[1]), float(up[2]))
 
 
 def camera_around(
-    points: npt.NDArray[np.float64], size: tuple[int, int], azimuth: float, elevation: float
+    points: npt.NDArray[np.float64],
+    size: tuple[int, int],
+    azimuth: float,
+    elevation: float,
+    face: tuple[Vector, Vector] | None = None,
 ) -> Camera:
-    """The same for world positions, shape (N, 3)."""
-    turned = Camera.fit(points).turned(AZIMUTH + azimuth, ELEVATION + elevation)
+    """The same for world positions, shape (N, 3), or a little from the side of a direction and up."""
+    if face is None:
+        turned = Camera.fit(points).turned(AZIMUTH + azimuth, ELEVATION + elevation)
+    else:
+        straight = Camera.fit(points, direction=face[0], view_up=face[1])
+        turned = straight.turned(STACK_AZIMUTH + azimuth, STACK_ELEVATION + elevation)
     return Camera.fit(points, direction=turned.direction, view_up=turned.view_up, aspect=size[0] / size[1])
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from volviz.custom_gl.gpu.layer_resources import layer_defines
 from volviz.custom_gl.gpu.programs import Program
-from volviz.custom_gl.shader_source import layer_name
 from volviz.custom_gl.technique import Frame
 
 
@@ -48,28 +46,21 @@ def march_program(
     return program
 
 
-#: Files of the hook <composite> for several layers; the other modes make one scalar of each.
-_JOINT = {"composite": "composite/joint.glsl", "additive": "composite/joint_additive.glsl"}
+#: Files of the hook <composite> for several layers by mode; the other modes make one scalar of each.
+JOINT_COMPOSITES = {"composite": "composite/joint.glsl", "additive": "composite/joint_additive.glsl"}
 
 
 def _joint_program(
     frame: Frame, vertex: Path, fragment: Path, defines: Mapping[str, object] | None
 ) -> Program:
     """The same for several layers in one integral (``march_layers.glsl``)."""
-    assert frame.joint is not None
     mode = frame.settings.mode
     hooks = {
         "march": "march_layers.glsl",
-        "composite": _JOINT.get(mode, "composite/each.glsl"),
+        "composite": JOINT_COMPOSITES.get(mode, "composite/each.glsl"),
         "scalar": f"composite/{mode}.glsl",
-        "fetch": "fetch/packed.glsl",
     }
-    images = [layer for layer in frame.layers if layer.labels is None]
-    for number, layer in enumerate(images):
-        regions = layer.transfer_function.by_gradient is not None
-        hooks[layer_name("classify", number)] = "classify/regions.glsl" if regions else "classify/curve.glsl"
-    own = layer_defines(frame.joint.arrangement, frame.layers)
-    return frame.program(vertex, fragment, {"TABLE_PER_STEP": False} | own | dict(defines or {}), hooks)
+    return frame.program(vertex, fragment, defines, hooks)
 
 
 def draw_tile(frame: Frame, program: Program, tile: int) -> None:

@@ -154,7 +154,14 @@ class ResolvedSpec:
         images = [(layer.volume, layer.drawn_function) for layer in self.layers if layer.mode == "add"]
         return images + [(layer.volume, layer.FUNCTION) for layer in self.labels if layer.mode == "add"]
 
-    def framing_camera(self, size: tuple[int, int], azimuth: float = 0.0, elevation: float = 0.0) -> Camera:
+    def framing_camera(
+        self,
+        size: tuple[int, int],
+        azimuth: float = 0.0,
+        elevation: float = 0.0,
+        *,
+        stacks_from_faces: bool = False,
+    ) -> Camera:
         """The camera that frames all that is seen, or faces the plane that the technique shows.
 
         Parameters
@@ -163,11 +170,13 @@ class ResolvedSpec:
             Width and height of the image in pixels.
         azimuth, elevation : float
             Further turn in degrees.
+        stacks_from_faces : bool
+            Look at a stack of few slices from their faces, as looks are seen.
         """
         facing = None if self.info.facing is None else self.info.facing(self.settings)
         if facing is not None:
             return default_camera(self.volume, size, azimuth, elevation, facing=facing)
-        return layers_camera(self.seen, size, azimuth, elevation)
+        return layers_camera(self.seen, size, azimuth, elevation, stacks_from_faces=stacks_from_faces)
 
     @cached_property
     def is_one_lattice(self) -> bool:

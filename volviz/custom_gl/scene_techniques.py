@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
@@ -12,6 +14,7 @@ from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
 from volviz.model.looks.look import Look
+from volviz.model.movie import Surroundings
 from volviz.model.parameters import Parameter, make_settings
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Layout, Scene, SceneView
@@ -123,10 +126,19 @@ def with_look(scene: Scene, look: Look) -> Scene:
     Views that are compared, and slices, keep their techniques.
     """
     scene = scene.with_layer(transfer_function=look.transfer_function)
-    volumes = [number for number, view in enumerate(scene.views) if not view.own_camera]
-    if len(volumes) != 1:
-        return scene
-    return with_technique(scene, look.technique, look.settings, volumes[0])
+    volumes = _volume_views(scene)
+    return with_technique(scene, look.technique, look.settings, volumes[0]) if len(volumes) == 1 else scene
+
+
+def can_take_looks(scene: Scene) -> bool:
+    """Whether one view shows one volume, which looks are made for."""
+    seen = [layer for layer in scene.layers if layer.visible]
+    return seen == [scene.layer] and len(_volume_views(scene)) == 1
+
+
+def _volume_views(scene: Scene) -> list[int]:
+    """Numbers of the views that are no slices with cameras of their own."""
+    return [number for number, view in enumerate(scene.views) if not view.own_camera]
 
 
 def with_technique(
@@ -249,6 +261,14 @@ def drawn_layers(scene: Scene, view: int | None = None) -> tuple[Layer, ...]:
 def draws_one(scene: Scene, view: int | None = None) -> bool:
     """Whether the technique of a view draws one layer at a time."""
     return not current_technique(scene, view).draws_layers
+
+
+def surroundings(volumes: Iterable[Volume], times: int = 1) -> Surroundings:
+    """What the moves of a movie have to know of the volumes that a scene shows, and how many time points there are."""
+    bounds = np.array([volume.bounds for volume in volumes])
+    low, high = bounds[:, ::2].min(axis=0).tolist(), bounds[:, 1::2].max(axis=0).tolist()
+    around = (low[0], high[0], low[1], high[1], low[2], high[2])
+    return Surroundings(lambda name: technique_info(name).settings, around, times)
 
 
 def distance_coloring(scene: Scene, view: int | None = None) -> DistanceColoring | None:

@@ -438,7 +438,6 @@ class Frame:
             "NEAREST": common.interpolation == "nearest",
             "SHADING": common.shading,
             "GRADIENT_OPACITY": common.gradient_opacity > 0,
-            "TABLE_FOLDED": self.joint is None and self.resources.folds_table(self.transfer_function),
         }
         regions = self.transfer_function.by_gradient is not None
         chosen: dict[str, str | Path] = {
@@ -446,7 +445,11 @@ class Frame:
             "shade": "shade/lit.glsl" if common.shading else "shade/unlit.glsl",
         }
         if self.joint is None:
+            shared["TABLE_FOLDED"] = self.resources.folds_table(self.transfer_function)
             chosen["fetch"] = self.resources.fetch
+        else:
+            shared |= self.joint.defines(self)
+            chosen |= self.joint.hooks(self)
         program = self.gpu.programs.get(
             vertex,
             fragment,

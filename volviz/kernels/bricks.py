@@ -264,3 +264,48 @@ def grow_occupancy(occupied: BoolArray, bricks: int = 1) -> BoolArray:
     of a segment.
     """
     return chessboard_distance(occupied) <= bricks
+
+
+def occupancy_elsewhere(
+    occupied: BoolArray,
+    matrix: npt.ArrayLike,
+    shape: Sequence[int],
+    first: Sequence[int] = (0, 0, 0),
+    brick: int = DEFAULT_BRICK,
+) -> BoolArray:
+    """Bricks of another lattice that occupied ones may reach into.
+
+    Parameters
+    ----------
+    occupied : ndarray of shape (b_z, b_y, b_x), bool
+        Bricks of a lattice.
+    matrix : array_like of shape (4, 4)
+        From continuous voxel indices (i, j, k, 1) of that lattice to those of the other.
+    shape : sequence of 3 ints
+        Size (b_z, b_y, b_x) of the part of the other's grid of bricks that is asked for.
+    first : sequence of 3 ints
+        Its first brick along (x, y, z); negative before the first voxel.
+
+    Returns
+    -------
+    ndarray of `shape`, bool
+        Never too few.
+    """
+    to_other = np.asarray(matrix, np.float64)
+    # a brick holds what is interpolated from its voxels: one voxel more on each side
+    middle = np.argwhere(occupied)[:, ::-1] * brick + 0.5 * (brick - 1)
+    center = middle @ to_other[:3, :3].T + to_other[:3, 3]
+    reach = np.abs(to_other[:3, :3]).sum(axis=1) * 0.5 * (brick + 1)
+    size = np.array(tuple(shape)[::-1])
+    ends = [np.floor((center + sign * reach) / brick).astype(np.int64) - np.array(first) for sign in (-1, 1)]
+    met = ((ends[1] >= 0) & (ends[0] < size)).all(axis=1)
+    low, high = np.clip(ends[0][met], 0, size), np.clip(ends[1][met] + 1, 0, size)
+    # counts of boxes as their eight corners, summed along each axis
+    counts = np.zeros(size[::-1] + 1, np.int64)
+    for corner in range(8):
+        side = np.array([corner >> axis & 1 for axis in range(3)])
+        i, j, k = np.where(side, high, low).T
+        np.add.at(counts, (k, j, i), (-1) ** int(side.sum()))
+    for axis in range(3):
+        counts = counts.cumsum(axis=axis)
+    return np.asarray(counts[:-1, :-1, :-1] > 0)

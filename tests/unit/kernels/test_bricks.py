@@ -18,6 +18,7 @@ from volviz.kernels.bricks import (
     chessboard_distance,
     grow_occupancy,
     occupancy,
+    occupancy_elsewhere,
     occupancy_for_isovalues,
     visible_prefix,
 )
@@ -224,3 +225,21 @@ def test_distances_of_bricks_are_timed(benchmark):
     occupied = np.random.default_rng(0).random((32, 32, 32)) < 0.01
     distances = benchmark(lambda: chessboard_distance(occupied))
     np.testing.assert_array_equal(distances == 0, occupied)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bricks_of_a_lattice_cover_their_voxels_on_another(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    occupied = random.uniform(size=(3, 4, 5)) < 0.15
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.linalg.qr(random.normal(size=(3, 3)))[0] * random.uniform(0.6, 1.5, 3)
+    matrix[:3, 3] = random.uniform(-10, 10, 3)
+    first, shape = (-4, -3, -5), (12, 11, 13)
+    found = occupancy_elsewhere(occupied, matrix, shape, first)
+    assert 0.02 < found.mean() < 0.9
+    # everything that is interpolated from an occupied brick
+    for b_z, b_y, b_x in np.argwhere(occupied):
+        inside = random.uniform(-1.0, 8.0, (200, 3)) + 8 * np.array([b_x, b_y, b_z])
+        i, j, k = (np.floor((inside @ matrix[:3, :3].T + matrix[:3, 3]) / 8).astype(int) - first).T
+        here = (i >= 0) & (j >= 0) & (k >= 0) & (i < shape[2]) & (j < shape[1]) & (k < shape[0])
+        assert found[k[here], j[here], i[here]].all()

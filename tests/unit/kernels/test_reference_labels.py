@@ -10,7 +10,8 @@ import pytest
 from tests.unit.kernels.cameras import look_at, orthographic
 from volviz.errors import InputError
 from volviz.reference.labels import ReferenceLabels, first_border
-from volviz.reference.layers import ReferenceLayer, Sampling, reference_layers
+from volviz.reference.layer_rays import ReferenceLayer, Sampling
+from volviz.reference.layers import reference_layers
 from volviz.reference.sampling import Shading
 
 CENTER, RADIUS = np.array([15.3, 15.8, 16.1]), 10.0

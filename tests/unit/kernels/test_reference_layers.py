@@ -10,7 +10,8 @@ import pytest
 from tests.unit.kernels.scenes import colorful_table, scene, smooth_field
 from volviz.errors import InputError
 from volviz.reference.image import MODES, Shading, reference_render
-from volviz.reference.layers import ReferenceLayer, Sampling, reference_layers
+from volviz.reference.layer_rays import ReferenceLayer, Sampling
+from volviz.reference.layers import reference_layers
 
 RANGE = (-150.0, 650.0)
 STEP = 0.73

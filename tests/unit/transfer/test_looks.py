@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.unit.transfer.unseen import FEATURELESS, UNSEEN, ct, radius
+from tests.unit.transfer.unseen import FEATURELESS, UNSEEN, ct, microscopy, radius
 from volviz.custom_gl.registry import technique
 from volviz.errors import InputError
 from volviz.model.looks.choice import best_look, look_named, looks
@@ -108,6 +108,15 @@ def test_dark_things_on_a_bright_ground_show_their_surface() -> None:
     inside, outside = first.transfer_function.evaluate(np.array([middle, corner], float), volume.range)[:, 3]
     assert inside > 0.3
     assert outside == 0.0
+
+
+def test_matter_that_fills_the_box_shows_its_inside_and_few_slices_a_picture() -> None:
+    # cells with dark walls, from face to face
+    i, j, k = np.indices((40, 40, 40))
+    walls = (np.minimum(np.minimum(i % 8, j % 8), k % 8) == 0) & (i > 1)
+    grain = np.random.default_rng(1).normal(0, 12, walls.shape)
+    assert best_look(Volume((np.where(walls, 60, 180) + grain).astype(np.uint8))).id == "inside"
+    assert best_look(Volume(microscopy(100, 8, 0.02).array[25:31])).id == "brightest"
 
 
 def test_a_look_that_is_not_there_is_refused_with_those_that_are() -> None:

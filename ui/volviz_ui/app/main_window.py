@@ -23,7 +23,9 @@ from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.commands.edit import EditCommands
 from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.help import HelpCommands
+from volviz_ui.commands.looks import LookCommands
 from volviz_ui.commands.measure import MeasureCommands
+from volviz_ui.commands.movie import MovieCommands
 from volviz_ui.commands.picture import PictureCommands
 from volviz_ui.commands.presets import PresetsOfFunction
 from volviz_ui.commands.session import SessionCommands
@@ -38,6 +40,8 @@ from volviz_ui.compare.reports import Reports
 from volviz_ui.compare.surface_distances import SurfaceDistances
 from volviz_ui.measuring.panel import MeasurementsPanel
 from volviz_ui.measuring.tool import MeasureTool
+from volviz_ui.movie.maker import MovieMaker
+from volviz_ui.movie.panel import MoviePanel
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.ray_inspector.inspector import RayInspector
@@ -154,6 +158,8 @@ class MainWindow(QMainWindow):
         self.ray_panel = RayPanel(self)
         self.compare_panel = ComparePanel(store, self.compare_commands, self)
         self.crosscheck_panel = CrosscheckPanel(documents, workers, self)
+        self.movie_maker = MovieMaker(self.context)
+        self.movie_panel = MoviePanel(self.movie_maker, documents, self)
         docks = self.docks
         docks.add("data", tr("Data"), self.data_panel, tr("What is loaded, and what is cut away"))
         docks.add("technique", tr("Technique"), self.technique_panel, tr("How the volume is drawn"))
@@ -180,6 +186,10 @@ class MainWindow(QMainWindow):
             "crosscheck", tr("Cross-check"), self.crosscheck_panel,
             tr("Compare our mesh with those of VTK, difference by difference"),
         )  # fmt: skip
+        docks.add(
+            "movie", tr("Movie"), self.movie_panel,
+            tr("Turns, cuts and key frames, drawn into a film"), ("Ctrl+Shift+V",),
+        )  # fmt: skip
         self.transfer_editor.counter.workers.gate = self.gate
         self.thumbnails = Thumbnails(documents, workers, self)
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
@@ -200,13 +210,15 @@ class MainWindow(QMainWindow):
         self.session_commands = SessionCommands(context)
         self.picture_commands = PictureCommands(context)
         self.file_commands = FileCommands(context, self.session_commands, self.picture_commands)
+        self.look_commands = LookCommands(context, self.thumbnails.request)
         self.time_commands = TimeCommands(context)
-        self.view_commands = ViewCommands(context, self.time_commands)
+        self.view_commands = ViewCommands(context, self.look_commands, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
         self.measure_commands = MeasureCommands(
             context, self.measure_tool, self.measurements_panel, self.view_commands
         )
         self.technique_commands = TechniqueCommands(context)
+        self.movie_commands = MovieCommands(context, self.movie_maker)
         self.help_commands = HelpCommands(context, self.commands)
         in_bar = (
             self.file_commands,
@@ -215,6 +227,7 @@ class MainWindow(QMainWindow):
             self.technique_commands,
             self.measure_commands,
             self.compare_commands,
+            self.movie_commands,
             self.help_commands,
         )
         fill_menu_bar(self.menuBar(), [self.commands.add(each.menu()) for each in in_bar], self.commands)
@@ -257,6 +270,11 @@ class MainWindow(QMainWindow):
         self.views.drawn.connect(self._on_drawn)
         self.player.repeat = self.preferences.repeat
         self.time_bar.repeat_chosen.connect(self._set_repeat)
+        self.movie_panel.save_requested.connect(self.movie_commands.save)
+        self.movie_maker.failed.connect(self.messages.show_error)
+        self.movie_maker.written.connect(
+            lambda path: self.messages.show_status(self.tr("%1 is drawn.").replace("%1", path))
+        )
         self.compare_commands.report_requested.connect(self.reports.write_report)
         self.documents.opened.connect(self._on_opened)
         self.session_commands.unsaved.changed.connect(self.setWindowModified)
@@ -298,6 +316,8 @@ class MainWindow(QMainWindow):
     def _on_opened(self, opened: Opened) -> None:
         if not opened.key.ref.source.startswith(SAMPLE_PREFIX):
             self.preferences.add_recent(opened.key)
+        # keys mean the picture now
+        self.views.active.viewport.setFocus()
 
     def _show_volume(self, volume: Volume | None) -> None:
         # [*] is where the system shows that something is unsaved
@@ -406,6 +426,7 @@ class MainWindow(QMainWindow):
         self.measurements.close()
         self.surface_distances.close()
         self.reports.close()
+        self.movie_maker.close()
         self.compilers.close()
         self.player.close()
         self.workers.close()

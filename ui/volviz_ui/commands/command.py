@@ -70,6 +70,8 @@ class Command:
         Whether it is switched on now; None for a command that is no switch.
     group : str
         Of the switches of one group exactly one is on.
+    only_in_views : bool
+        Its keys mean something else outside of the views: the space bar presses a button.
     """
 
     id: str
@@ -81,6 +83,7 @@ class Command:
     enabled: Callable[[State], bool] = _always
     checked: Callable[[State], bool] | None = None
     group: str = ""
+    only_in_views: bool = False
 
     def words(self, state: State) -> str:
         """The text in that state."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMainWindow
 
@@ -161,7 +161,10 @@ class CommandTable(QObject):
             group.addAction(action)
         action.triggered.connect(lambda on: self._on_triggered(command, on))
         # the window must know the action even when no menu shows it: its keys act everywhere
-        window.addAction(action)
+        place = self._context.views if command.only_in_views else window
+        place.addAction(action)
+        if command.only_in_views:
+            action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
         return action
 
     def _on_triggered(self, command: Command, on: bool) -> None:

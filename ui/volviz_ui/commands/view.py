@@ -13,6 +13,7 @@ from volviz.model.camera import Camera
 from volviz.model.scene import Color, Layout, Scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, has_volume
+from volviz_ui.commands.looks import LookCommands
 from volviz_ui.commands.time import TimeCommands
 from volviz_ui.editors.simple import chosen_color
 from volviz_ui.views.camera_moves import axis_camera
@@ -38,9 +39,10 @@ class ViewCommands(QObject):
 
     quality_changed = Signal(str)
 
-    def __init__(self, context: AppContext, time: TimeCommands) -> None:
+    def __init__(self, context: AppContext, looks: LookCommands, time: TimeCommands) -> None:
         super().__init__(context.window)
         self._context = context
+        self._looks = looks
         self._time = time
 
     def menu(self) -> Menu:
@@ -49,6 +51,7 @@ class ViewCommands(QObject):
         return Menu(
             tr("&View"),
             [
+                self._looks.menu(),
                 Command(
                     "view.reset_camera", tr("Re&set camera"), tr("See the whole volume again"), self.reset_camera,
                     keys=("Home", "F"), icon="frame-corners", enabled=has_volume,

@@ -174,7 +174,7 @@ def style_sheet(colors: Colors) -> str:
         background: {c.base}; border: 1px solid {c.border}; border-radius: 5px; padding: 5px 6px;
     }}
     QLineEdit#palette_line:focus {{ border-color: {c.accent}; }}
-    QFrame#banner {{ background: {c.panel}; border: 1px solid {c.border}; border-radius: 6px; }}
+    QFrame#banner, QFrame#look_strip {{ background: {c.panel}; border: 1px solid {c.border}; border-radius: 6px; }}
     """
 
 

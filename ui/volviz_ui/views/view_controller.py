@@ -245,7 +245,8 @@ class ViewController(QObject):
         facing = faced(shown.scene, self._view)
         if facing is not None:
             return default_camera(shown.volume, self._viewport.pixel_size, facing=facing)
-        return layers_camera(resolve(shown.spec(self._view), shown.volumes).seen, self._viewport.pixel_size)
+        seen = resolve(shown.spec(self._view), shown.volumes).seen
+        return layers_camera(seen, self._viewport.pixel_size, stacks_from_faces=True)
 
     def _apply(self, change: Callable[[], Any]) -> None:
         try:

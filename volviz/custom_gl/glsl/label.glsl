@@ -19,6 +19,7 @@ const float NORMAL_RADIUS = 3.0;
 uint g_label;      // where the segment begins
 float g_border;    // length from there to where another label begins, 1e30 where none that is seen does
 vec4 g_surface;    // straight colour of the surface there
+uint g_owner;      // whose surface it is
 
 vec4 look_of(uint label) { return texelFetch(t_palette, ivec2(label & 1023u, label >> 10u), 0); }
 
@@ -101,6 +102,7 @@ void find_border(float begin, float segment_length) {
         }
         g_border = t - begin;
         g_surface = look;
+        g_owner = owner;
     }
     g_label = after;
 }

@@ -1,87 +1,17 @@
 // Hook <march>: the loop over the samples of a ray through several layers, which all are sampled at the same points.
 //
 // Segments and samples are those of march.glsl; the ray is cut from where it enters the first layer to where it leaves the
-// last, and a layer has the part of a segment that lies in its box. Layers of one lattice share its place on the ray:
-// LATTICE is the number of the layer that stands for it. What is made of the samples is the hook <composite>, which must
-// define
-//     COMPOSITE_SKIPS       1 when segments without visible samples may be left out
-//     void layers_begin(float ray_length)   world units
-//     bool labels_begin()   faces of labels that are cut where the ray begins; true = the ray can end
-//     bool layers_add(float segment_length)
-//                           true = the ray can end; g_at and g_share of each lattice are those of the segment's sample,
-//                           `samples` the scalars there, one for each layer
-//     vec4 layers_end()     premultiplied colour of the ray
-// Layers of labels are surfaces in the matter of the others: before layers_add is called, label.glsl has looked for a
-// border in the segment.
-// MODE of a layer is 0: its matter is added, 1: it masks the others, 2: it modulates their extinction. ADDS of a lattice
-// is 1 when it has a layer whose matter is added.
+// last. What is made of the samples is the hook <composite>, see layer_set.glsl.
 
 #include "rays.glsl"
 #include "noise.glsl"
-
-uniform sampler2D t_layer_tables;      // one row for each layer
-uniform sampler3D t_layer_distances;   // fields of empty space, one above the other
-
-#pragma each_lattice
-#include "lattice.glsl"
-#pragma end
-#pragma each_layer
-#include "layer.glsl"
-#pragma end
-#pragma each_label
-#include "label.glsl"
-#pragma end
+#include "layer_set.glsl"
+#include <composite>
 
 uniform float u_step;              // world units
 uniform float u_first_sample;      // fraction of a step
-uniform float u_early_termination; // opacity at which a ray ends
 uniform bool u_jitter;
 uniform float u_jitter_seed;
-
-#if LAYERS > 0
-float samples[LAYERS];
-#endif
-
-// What masks leave of the others, and with them layers that modulate.
-float seen_through_masks() {
-    float left = 1.0;
-#pragma each_layer
-#if MODE == 1
-    left *= step(0.5, layer_color(samples[LAYER], samples[LAYER], AT_LATTICE).a) * SHARE_OF_LATTICE;
-#endif
-#pragma end
-#pragma each_label
-#if MODE == 1
-    left *= look_of(label_at(AT_LATTICE)).a > 0.0 ? SHARE_OF_LATTICE : 0.0;
-#endif
-#pragma end
-    return left;
-}
-
-#include <composite>
-
-void take_samples(float at, float begin, float segment_length) {
-#pragma each_lattice
-    place_in_lattice(at, begin, segment_length);
-#pragma end
-#pragma each_layer
-    samples[LAYER] = sample_scalar(AT_LATTICE);
-#pragma end
-#pragma each_label
-#if MODE == 0
-    find_border(begin, segment_length);
-#endif
-#pragma end
-}
-
-// Labels where a segment begins that does not follow the last one.
-void find_labels(float begin) {
-#pragma each_label
-#if MODE == 0
-    g_label = label_on_ray(begin);
-#endif
-#pragma end
-}
 
 // Samples k in [first, last) lie in bricks in which a layer may be visible; advances `first` over those that do not.
 void next_run(float fraction, float inverse_step, float total, int count, inout int first, out int last) {
@@ -138,6 +68,7 @@ vec4 march(Ray ray, vec2 pixel) {
             // the last segment is shorter, and so its sample lies elsewhere
             float segment_length = min(u_step, total - begin);
             take_samples(begin + fraction * segment_length, begin, segment_length);
+            find_borders(begin, segment_length);
             ++k;
             if (layers_add(segment_length)) { done = true; break; }
         }

@@ -97,14 +97,17 @@ class LabelResources:
             self._palette = (look, colors, texture)
         return self._palette[1]
 
-    def visible_bricks(self, look: LabelLook) -> npt.NDArray[np.bool_]:
-        """Which bricks may hold a surface: those with more than one label, one of which may be shown."""
+    def visible_bricks(self, look: LabelLook, *, whole: bool = False) -> npt.NDArray[np.bool_]:
+        """Which bricks may hold a surface: those with more than one label, one of which may be shown.
+
+        With `whole` those within a label count as well, whose inside is seen where it is cut.
+        """
         if self._bounds is None:
             self._bounds = brick_min_max(self._labels.indices, BRICK)
         low, high = self._bounds
         last = len(self._labels.labels) - 1
         shown = occupancy(low, high, visible_prefix(self.palette(look)[:, 3]), (0.0, float(max(last, 1))))
-        return np.asarray(shown & (low != high))
+        return np.asarray(shown if whole else shown & (low != high))
 
     def brick_uniforms(self) -> dict[str, Any]:
         """Uniforms of ``glsl/empty_space.glsl``."""

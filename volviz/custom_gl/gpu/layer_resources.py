@@ -207,6 +207,57 @@ class LayerResources:
                     return self.complete
         return True
 
+    # ------------------------------------------------------------------ programs
+
+    def hooks(self, frame: JointFrame) -> dict[str, str]:
+        """Files for the hooks of ``glsl/layer_set.glsl`` that belong to single layers."""
+        images = (layer for layer in frame.layers if layer.labels is None)
+        found = {"fetch": "fetch/packed.glsl"}
+        for number, layer in enumerate(images):
+            regions = layer.transfer_function.by_gradient is not None
+            found[layer_name("classify", number)] = (
+                "classify/regions.glsl" if regions else "classify/curve.glsl"
+            )
+        return found
+
+    def defines(self, frame: JointFrame) -> dict[str, object]:
+        """What ``glsl/layer_set.glsl`` must know of the layers of a frame."""
+        layers = frame.layers
+        images = [layer for layer in layers if layer.labels is None]
+        height = rows_of(max(_entries(layers), default=1))
+        defines: dict[str, object] = {
+            "LAYERS": len(images), "LABELS": len(layers) - len(images), "LATTICES": len(self.arrangement.leads),
+            "TABLE_FOLDED": height > 1,
+        }  # fmt: skip
+        for n, layer in enumerate(layers):
+            lead = self.arrangement.lattices[n]
+            own: dict[str, object] = {
+                "LATTICE": lead,
+                "MODE": ("add", "mask", "modulate").index(layer.mode),
+                "AT_LATTICE": layer_name("g_at", lead),
+                "SHARE_OF_LATTICE": layer_name("g_share", lead),
+            }
+            if layer.labels is None:
+                pack, component = self.arrangement.component(n)
+                own |= {
+                    "DEPTHS": holds_depths(layer),
+                    "PACK": layer_name("t_scalars", pack), "COMPONENT": component,
+                    "TABLE": "t_layer_tables", "TABLE_ROW": (n + 0.5) / len(images),
+                    "TABLE_BASE": float(n * height),
+                }  # fmt: skip
+            else:
+                own |= {
+                    "SMOOTH": layer.labels.smooth, "ON_LATTICE": layer_name("on_lattice", lead),
+                    "IN_LATTICE": layer_name("in_lattice", lead),
+                }  # fmt: skip
+            if lead == n:
+                on_it = [other for m, other in enumerate(layers) if self.arrangement.lattices[m] == n]
+                own["ADDS"] = any(other.mode == "add" for other in on_it)
+                own["DISTANCES"] = "t_layer_distances"
+                own["FIRST_BRICK"] = layer_name("u_first_brick", n)
+            defines |= {layer_name(name, n): value for name, value in own.items()}
+        return defines
+
     # ------------------------------------------------------------------ what all layers share
 
     def lattice_uniforms(self, frame: JointFrame) -> list[dict[str, Any]]:
@@ -275,19 +326,38 @@ class LayerResources:
             self._tables = self._instead(self._tables, key, texture)
         return self._tables[1]
 
+    def visible_key(self, frame: JointFrame) -> tuple[Any, ...]:
+        """What visible bricks depend on."""
+        return tuple(
+            (n, self._visible_key(n, layer)) for n, layer in enumerate(frame.layers) if layer.mode == "add"
+        )
+
+    def visible_bricks(self, frame: JointFrame, *, whole: bool = False) -> dict[int, npt.NDArray[np.bool_]]:
+        """For each lattice, by the number of its first layer, the bricks in which anything may be seen.
+
+        Parameters
+        ----------
+        frame : JointFrame
+        whole : bool
+            The inside of labels counts as well as their surfaces, since it is seen where it is cut.
+        """
+        found = {
+            lead: np.zeros(brick_grid_shape(self.layers[lead].volume.array.shape, BRICK), bool)
+            for lead in self.arrangement.leads
+        }
+        for n, layer in enumerate(frame.layers):
+            if layer.mode == "add":
+                found[self.arrangement.lattices[n]] |= self._visible(n, layer, whole=whole)
+        return found
+
     def _distance(self, frame: JointFrame) -> Any:
-        added = [n for n, layer in enumerate(frame.layers) if layer.mode == "add"]
-        key = tuple((n, self._visible_key(n, frame.layers[n])) for n in added)
+        key = self.visible_key(frame)
         if self._distances is None or self._distances[0] != key:
             across, first_planes = self._atlas()
             codes = np.zeros(across[::-1], np.float32)
-            for lead, first in first_planes.items():
-                shape = brick_grid_shape(self.layers[lead].volume.array.shape, BRICK)
-                occupied = np.zeros(shape, bool)
-                for n in added:
-                    if self.arrangement.lattices[n] == lead:
-                        occupied |= self._visible(n, frame.layers[n])
-                z, y, x = shape
+            for lead, occupied in self.visible_bricks(frame).items():
+                z, y, x = occupied.shape
+                first = first_planes[lead]
                 codes[first : first + z, :y, :x] = distance_codes(
                     occupied, max(self.layers[lead].texels.factor)
                 )
@@ -301,13 +371,13 @@ class LayerResources:
             return resources.occupancy_key(layer)
         return layer.labels, layer.step_world
 
-    def _visible(self, n: int, layer: LayerFrame) -> npt.NDArray[np.bool_]:
+    def _visible(self, n: int, layer: LayerFrame, *, whole: bool) -> npt.NDArray[np.bool_]:
         """Bricks of a layer in which anything may be seen."""
         resources = self.layers[n]
         if isinstance(resources, VolumeResources):
             return resources.occupied(layer)
         assert layer.labels is not None
-        found = resources.visible_bricks(layer.labels.look)
+        found = resources.visible_bricks(layer.labels.look, whole=whole)
         # a border is looked for along whole segments, half a step to either side of a sample
         beyond = math.ceil(max(0.5 * layer.step_world / min(layer.volume.spacing) - 1.0, 0.0) / BRICK)
         return grow_occupancy(found, beyond) if beyond else found
@@ -346,41 +416,3 @@ def holds_depths(layer: LayerFrame) -> bool:
     return (
         by_value and layer.mode == "add" and common.mode in CLASSIFYING_MODES and not common.gradient_opacity
     )
-
-
-def layer_defines(arrangement: Arrangement, layers: Sequence[LayerFrame]) -> dict[str, object]:
-    """What ``glsl/march_layers.glsl`` must know of the layers of a frame."""
-    images = [layer for layer in layers if layer.labels is None]
-    height = rows_of(max(_entries(layers), default=1))
-    defines: dict[str, object] = {
-        "LAYERS": len(images), "LABELS": len(layers) - len(images), "LATTICES": len(arrangement.leads),
-        "TABLE_FOLDED": height > 1,
-    }  # fmt: skip
-    for n, layer in enumerate(layers):
-        lead = arrangement.lattices[n]
-        own: dict[str, object] = {
-            "LATTICE": lead,
-            "MODE": ("add", "mask", "modulate").index(layer.mode),
-            "AT_LATTICE": layer_name("g_at", lead),
-            "SHARE_OF_LATTICE": layer_name("g_share", lead),
-        }
-        if layer.labels is None:
-            pack, component = arrangement.component(n)
-            own |= {
-                "DEPTHS": holds_depths(layer),
-                "PACK": layer_name("t_scalars", pack), "COMPONENT": component,
-                "TABLE": "t_layer_tables", "TABLE_ROW": (n + 0.5) / len(images),
-                "TABLE_BASE": float(n * height),
-            }  # fmt: skip
-        else:
-            own |= {
-                "SMOOTH": layer.labels.smooth, "ON_LATTICE": layer_name("on_lattice", lead),
-                "IN_LATTICE": layer_name("in_lattice", lead),
-            }  # fmt: skip
-        if lead == n:
-            on_it = [other for m, other in enumerate(layers) if arrangement.lattices[m] == n]
-            own["ADDS"] = any(other.mode == "add" for other in on_it)
-            own["DISTANCES"] = "t_layer_distances"
-            own["FIRST_BRICK"] = layer_name("u_first_brick", n)
-        defines |= {layer_name(name, n): value for name, value in own.items()}
-    return defines

@@ -25,6 +25,12 @@ SMOOTH_STEP = 0.12
 BRAIN_LITRES, HEAD_LITRES = (0.7, 2.2), (2.2, 7.0)
 #: Share of both halves of a head that agree when one is laid over the other.
 SYMMETRIC = 0.75
+#: Where the outer surface lies, from where matter begins to where its first class ends.
+BORDER = 0.45
+#: Share of the faces of the box that is covered with matter where that fills the box.
+FULL = 0.6
+#: Slices up to which a stack is seen best as a picture.
+FEW_SLICES = 12
 #: Edge of the block in the middle of the volume that is looked at voxel by voxel.
 BLOCK = 64
 
@@ -75,7 +81,7 @@ class Evidence:
     def border(self) -> float:
         """The value at which the outer surface lies: above the background, below what is inside."""
         levels = self.levels
-        return levels.start + 0.35 * (levels.steps[0] - levels.start)
+        return levels.start + BORDER * (levels.steps[0] - levels.start)
 
     @cached_property
     def is_distance(self) -> bool:
@@ -121,6 +127,16 @@ class Evidence:
         if BRAIN_LITRES[0] < litres <= BRAIN_LITRES[1]:
             return "brain"
         return "head" if HEAD_LITRES[0] < litres < HEAD_LITRES[1] else ""
+
+    @property
+    def fills_box(self) -> bool:
+        """Whether matter reaches the faces of the box nearly everywhere, so that its surface is the box."""
+        return float((self.look.shell > self.border).mean()) >= FULL
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether there are so few slices that shapes can hardly be seen."""
+        return min(self.volume.dimensions) <= FEW_SLICES < max(self.volume.dimensions) / 4
 
     def along_rays(self) -> tuple[Floats, Floats]:
         """Mean and largest value along each foreseen ray that meets the box, shape (n,)."""

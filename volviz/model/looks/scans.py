@@ -5,7 +5,6 @@ from __future__ import annotations
 from volviz.model.looks.evidence import Evidence
 from volviz.model.looks.look import Look, lit
 from volviz.model.looks.projections import brightest, x_ray
-from volviz.model.transfer.automatic import auto_transfer_function
 from volviz.model.transfer.function import Color
 
 #: Colours from the outer surface inwards.
@@ -14,9 +13,12 @@ SKIN: Tones = ((0.45, 0.28, 0.20), (0.80, 0.60, 0.48), (0.95, 0.85, 0.75), (1.0,
 BRAIN: Tones = ((0.60, 0.35, 0.30), (0.85, 0.62, 0.52), (0.95, 0.85, 0.75), (1.0, 1.0, 1.0))
 STONE: Tones = ((0.30, 0.40, 0.48), (0.56, 0.66, 0.70), (0.92, 0.82, 0.66), (1.0, 0.98, 0.92))
 
+#: Voxels to either side over which gradients are taken: noise must not roughen surfaces.
+SMOOTH = 1.5
+
 
 def looks_of_scan(evidence: Evidence) -> list[Look]:
-    """The outer surface first, then what lies inside."""
+    """The outer surface first, then what lies inside; the inside first where matter fills the box."""
     anatomy = evidence.anatomy
     if anatomy == "head":
         outer = surface(evidence, "skin", "Skin", "The surface of the head.", SKIN)
@@ -24,8 +26,12 @@ def looks_of_scan(evidence: Evidence) -> list[Look]:
         outer = surface(evidence, "brain", "Brain", "The surface of the brain.", BRAIN)
     else:
         outer = surface(evidence, "surface", "Surface", "The outer surface.", STONE)
-    tones = STONE if not anatomy else BRAIN
-    return [outer, inside(evidence, tones), tissue(evidence), x_ray(evidence), brightest(evidence)]
+    tones = BRAIN if anatomy else STONE
+    within = [inside(evidence, tones), tissue(evidence, tones)]
+    projections = [x_ray(evidence), brightest(evidence)]
+    if evidence.is_flat:
+        return [projections[1], *within, projections[0], outer]
+    return [*within, outer, *projections] if evidence.fills_box else [outer, *within, *projections]
 
 
 def surface(evidence: Evidence, ident: str, label: str, description: str, tones: Tones) -> Look:
@@ -38,7 +44,7 @@ def surface(evidence: Evidence, ident: str, label: str, description: str, tones:
         (max(levels.steps[0], border + 2 * width), tones[2], 0.8),
         (max(levels.end, levels.steps[-1], border + 3 * width), tones[3], 0.9),
     ]
-    return lit(ident, label, description, _unmirrored(points, evidence))
+    return lit(ident, label, description, _unmirrored(points, evidence), gradient_delta=SMOOTH)
 
 
 def inside(evidence: Evidence, tones: Tones) -> Look:
@@ -57,11 +63,18 @@ def inside(evidence: Evidence, tones: Tones) -> Look:
     return lit("inside", "Inside", words, _unmirrored(points, evidence))
 
 
-def tissue(evidence: Evidence) -> Look:
-    """All matter, translucent."""
-    function = auto_transfer_function(evidence.volume)
-    points = [(p.value, p.color, p.opacity) for p in function.points]
-    return lit("tissue", "Tissue", "All matter, translucent, lit.", points)
+def tissue(evidence: Evidence, tones: Tones) -> Look:
+    """Borders of all matter, like glass."""
+    levels, border = evidence.levels, evidence.border
+    points = [
+        (levels.start, tones[0], 0.0),
+        (border, tones[0], 0.05),
+        (levels.steps[0], tones[1], 0.07),
+        (levels.steps[-1], tones[2], 0.14),
+        (max(levels.end, levels.steps[-1] + border - levels.start), tones[3], 0.5),
+    ]
+    words = "The borders of all matter, like glass."
+    return lit("tissue", "Tissue", words, _unmirrored(points, evidence), gradient_opacity=0.9)
 
 
 def _unmirrored(

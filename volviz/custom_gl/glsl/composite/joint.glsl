@@ -3,6 +3,8 @@
 #define COMPOSITE_SKIPS 1
 #include "joint_matter.glsl"
 
+uniform float u_early_termination; // opacity at which a ray ends
+
 vec4 g_sum;
 
 void layers_begin(float ray_length) { g_sum = vec4(0.0); }
@@ -22,8 +24,8 @@ bool labels_begin() {
     return g_sum.a >= u_early_termination;
 }
 
-bool layers_add(float segment_length) {
-    vec4 matter = joint_matter();
+// The matter of a segment, and the surfaces in it.
+void blend_segment(vec4 matter, float segment_length) {
     float passed = 0.0;
 #if LABELS > 0
     for (int n = 0; n < LABELS; ++n) {
@@ -46,7 +48,11 @@ bool layers_add(float segment_length) {
         passed = nearest;
     }
 #endif
-    blend_matter(matter, segment_length - passed);
+    blend_matter(matter, max(segment_length - passed, 0.0));
+}
+
+bool layers_add(float segment_length) {
+    blend_segment(joint_matter(), segment_length);
     return g_sum.a >= u_early_termination;
 }
 

@@ -35,4 +35,5 @@ TECHNIQUE = TechniqueInfo(
     order=60,
     study=study,
     oracle=shadowed_rays,
+    draws_layers=True,
 )

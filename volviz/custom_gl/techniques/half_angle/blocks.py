@@ -1,4 +1,4 @@
-"""The blocks of a volume that hold anything visible, and their slice polygons.
+"""The blocks of a volume that hold anything visible, and their slice polygons; of layers, on the first's lattice.
 
 Software OpenGL pays for every fragment, so slices are drawn only where the transfer function shows something.
 Neighbouring blocks share their corners exactly, and so their polygons share edges without gap or overlap.
@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.half_angle.light_path import Array
-from volviz.kernels.bricks import grow_occupancy
+from volviz.kernels.bricks import grow_occupancy, occupancy_elsewhere
 from volviz.kernels.slices import crop_corners, slice_polygons
 from volviz.volume_data.scalars import BRICK
 from volviz.volume_data.volume import Volume
@@ -26,7 +26,7 @@ Occupied = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Visible:
-    """What the transfer function shows of a volume.
+    """What transfer functions show of a volume, or of several on the lattice of the first.
 
     Attributes
     ----------
@@ -34,10 +34,13 @@ class Visible:
         Part of the crop box outside which nothing is visible, in continuous voxel indices.
     occupied : ndarray of shape (b_z, b_y, b_x), bool
         Bricks in which something may be visible.
+    first : tuple of 3 ints
+        Place (x, y, z) of the first one, in bricks from the first voxel.
     """
 
     box: Crop
     occupied: Occupied
+    first: tuple[int, int, int] = (0, 0, 0)
 
 
 class VisiblePart:
@@ -49,7 +52,9 @@ class VisiblePart:
 
     def of(self, frame: Frame) -> Visible | None:
         """What is visible within the crop box; None when there is nothing to see."""
-        key = (frame.volume, frame.crop, *frame.resources.occupancy_key(frame))
+        joint = frame.joint
+        shown = frame.resources.occupancy_key(frame) if joint is None else joint.visible_key(frame)
+        key = (frame.volume, frame.crop, *shown)
         if self._key != key:
             self._visible = _find(frame)
             self._key = key
@@ -57,13 +62,13 @@ class VisiblePart:
 
 
 def _find(frame: Frame) -> Visible | None:
-    occupied = frame.resources.occupied(frame)
+    occupied, first = _occupied(frame)
     if not occupied.any():
         return None
     limits: list[float] = []
     for axis in range(3):
         others = tuple(other for other in range(3) if other != 2 - axis)
-        indices = np.flatnonzero(occupied.any(axis=others))
+        indices = np.flatnonzero(occupied.any(axis=others)) + first[axis]
         low, high = frame.crop[2 * axis], frame.crop[2 * axis + 1]
         # what a brick shows reaches one voxel beyond its own
         limits.append(min(max(float(indices[0] * BRICK - 1), low), high))
@@ -71,7 +76,24 @@ def _find(frame: Frame) -> Visible | None:
         if limits[-1] <= limits[-2]:
             return None
     box = (limits[0], limits[1], limits[2], limits[3], limits[4], limits[5])
-    return Visible(box, occupied)
+    return Visible(box, occupied, first)
+
+
+def _occupied(frame: Frame) -> tuple[Occupied, tuple[int, int, int]]:
+    """Bricks in which something may be visible, and the place of the first one."""
+    if frame.joint is None:
+        return frame.resources.occupied(frame), (0, 0, 0)
+    by_lattice = frame.joint.visible_bricks(frame, whole=True)
+    if len(by_lattice) == 1:
+        return by_lattice[0], (0, 0, 0)
+    limits = np.floor(np.array(frame.crop).reshape(3, 2) / BRICK).astype(int)
+    i, j, k = (int(n) for n in limits[:, 0])
+    shape = tuple(limits[::-1, 1] - limits[::-1, 0] + 1)
+    occupied = np.zeros(shape, bool)
+    for lead, bricks in by_lattice.items():
+        matrix = frame.volume.world_to_index @ frame.layers[lead].volume.index_to_world
+        occupied |= occupancy_elsewhere(bricks, matrix, shape, (i, j, k), BRICK)
+    return occupied, (i, j, k)
 
 
 def grown_box(visible: Visible, margin: Array) -> Crop:
@@ -119,7 +141,8 @@ def block_polygons(
     low, step = distances[0], distances[1] - distances[0]
     vertices, sides, slices = [], [], []
     for x, y, z in product(*(list(pairwise(axis)) for axis in edges)):
-        if not occupied[_bricks(z, 0, occupied), _bricks(y, 1, occupied), _bricks(x, 2, occupied)].any():
+        bricks = tuple(_bricks(along, axis, visible) for axis, along in ((2, z), (1, y), (0, x)))
+        if not occupied[bricks].any():
             continue
         corners = crop_corners(volume.index_to_world, (*x, *y, *z), volume.dimensions)
         along = corners @ normal
@@ -145,8 +168,9 @@ def _edges(box: Crop, grown: Crop, axis: int, block: int) -> list[float]:
     return [grown[2 * axis], *(float(v) for v in inner), grown[2 * axis + 1]]
 
 
-def _bricks(limits: tuple[float, float], axis: int, occupied: Occupied) -> slice:
-    """Bricks that voxel indices between two faces belong to."""
-    count = occupied.shape[axis]
-    first = min(max(int(np.floor(limits[0] / BRICK)), 0), count - 1)
-    return slice(first, max(min(int(np.ceil(limits[1] / BRICK)), count), first + 1))
+def _bricks(limits: tuple[float, float], axis: int, visible: Visible) -> slice:
+    """Bricks that voxel indices between two faces across an axis (0 = x) belong to."""
+    count = visible.occupied.shape[2 - axis]
+    low, high = (limit / BRICK - visible.first[axis] for limit in limits)
+    first = min(max(int(np.floor(low)), 0), count - 1)
+    return slice(first, max(min(int(np.ceil(high)), count), first + 1))

@@ -37,6 +37,36 @@ vec3 light_at(vec3 p) {
     return light;
 }
 
+#if LABELS
+// The segment of a ray with the surfaces of labels in it, and the faces of those that are cut where it begins.
+vec4 with_labels(Ray ray, vec3 color) {
+    layers_begin(0.0);
+    take_labels(ray);
+#pragma each_label
+#if MODE == 0
+    if (begins_in_slab(ray)) {
+        vec4 face = look_of(g_label);
+        vec3 light = light_at(ray.origin + ray.near * ray.direction);
+        blend(face.rgb * (u_ambient + (1.0 - u_ambient) * u_light_color * light), face.a);
+    }
+#endif
+#pragma end
+    take_borders(ray);
+    float begin = begin_of_borders(ray);
+#pragma each_label
+#if MODE == 0
+    if (g_border < 1e29) {
+        vec3 dark = u_ambient * look_of(g_owner).rgb;
+        vec3 light = light_at(ray.origin + (begin + g_border) * ray.direction);
+        g_surface.rgb = dark + light * (g_surface.rgb - dark);
+    }
+#endif
+#pragma end
+    blend_segment(vec4(color, 1.0) * extinction_of_matter(), ray.far - ray.near);
+    return layers_end();
+}
+#endif
+
 void main() {
     Ray ray = slab_ray(u_eye_from, v_texture);
 #if SCENE_DEPTH || EYE_INSIDE
@@ -54,23 +84,27 @@ void main() {
     float segment = ray.far - ray.near;
     if (!(segment > 0.0)) discard;
     float fraction = u_jitter ? pixel_noise(gl_FragCoord.xy, u_jitter_seed) : u_first_sample;
-    vec3 p = ray.origin + (ray.near + fraction * segment) * ray.direction;
-    vec3 gradient;
-    vec4 c = slab_sample(p, gradient);
+    float at = ray.near + fraction * segment;
+    vec3 p = ray.origin + at * ray.direction;
+    take_matter(ray, at);
     vec3 light = light_at(p);
 #if !CLASSIC_LIGHT
     // the buffer holds the light at the slab's near face; the sample lies deeper
     vec3 light_ray = world_vector(u_light_from.w * p - u_light_from.xyz);
     float behind = 0.5 * u_slab - dot(world_vector(p - v_texture), u_half_vector);
-    light *= transmitted(c, max(behind, 0.0) * slant(light_ray));
+    light *= transmitted(max(behind, 0.0) * slant(light_ray));
 #endif
+    vec3 color = unlit_matter();
 #if SHADING
-    vec3 full = shade(c.rgb, gradient, p);
-    vec3 dark = u_ambient * c.rgb;
-    vec3 color = dark + light * (full - dark);
+    vec3 dark = u_ambient * color;
+    color = dark + light * (lit_matter() - dark);
 #else
-    vec3 color = c.rgb * (u_ambient + (1.0 - u_ambient) * u_light_color * light);
+    color = color * (u_ambient + (1.0 - u_ambient) * u_light_color * light);
 #endif
-    float a = corrected_opacity(c.a, segment);
+#if LABELS
+    f_color = with_labels(ray, color);
+#else
+    float a = matter_opacity(segment);
     f_color = vec4(color * a, a);
+#endif
 }

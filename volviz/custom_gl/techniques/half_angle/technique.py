@@ -114,7 +114,7 @@ class HalfAngle:
     ) -> dict[str, Any]:
         settings = frame.settings
         to_texture = frame.world_to_texture
-        uniforms = {
+        return {
             "u_slab": self._slabs.thickness,
             "u_half_vector": tuple(self._slicing.half_vector),
             "u_eye_from": tuple(_through(to_texture, eye)),
@@ -124,10 +124,8 @@ class HalfAngle:
             "u_material_tint": settings.material_tint,
             "u_ambient": settings.ambient,
             "u_scattering": settings.scattering,
+            "u_light_centred": tuple((frame.viewpoint if headlight else frame.light_source) - frame.center),
         }
-        if headlight:
-            uniforms["u_light_centred"] = tuple(frame.viewpoint - frame.volume.center)
-        return uniforms
 
     def _chunks(self, frame: Frame) -> list[tuple[int, int]]:
         count = min(self._slabs.count, frame.settings.slices_shown or self._slabs.count)
@@ -174,14 +172,25 @@ class HalfAngle:
             if visible:
                 frame.target.fbo.use()
                 gl.blend_func = eye_blend
+                if frame.joint is not None:
+                    # the two programs find textures of layers in other units
+                    frame.joint.bind(eye, frame)
+                    eye.use_texture("t_light", buffer.color)
                 eye_array.render(moderngl.TRIANGLES, vertices=count, first=first)
             buffer.fbo.use()
             gl.blend_func = light_blend
+            if frame.joint is not None:
+                frame.joint.bind(light, frame)
             light_array.render(moderngl.TRIANGLES, vertices=count, first=first)
 
     def _program(self, frame: Frame, fragment: str, defines: dict[str, object]) -> Program:
-        program = frame.program(_HERE / "slab.vert", _HERE / fragment, defines)
+        matter = "volume" if frame.joint is None else "layers"
+        hooks = {"matter": _HERE / "matter" / f"{matter}.glsl"}
+        program = frame.program(_HERE / "slab.vert", _HERE / fragment, defines, hooks)
         program.set(self._uniforms)
+        for number in range(1, len(frame.layers)):
+            # each layer is lit by the same light
+            program.set({"u_light_centred": self._uniforms["u_light_centred"]}, number)
         return program
 
     # ------------------------------------------------------------------ the light buffer

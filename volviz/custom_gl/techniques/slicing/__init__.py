@@ -32,5 +32,6 @@ TECHNIQUE = TechniqueInfo(
     study=sample_distances(converged="raycast"),
     oracle=sampled_rays,
     samples_rays=True,
+    draws_layers=True,
     view_slices=view_slices,
 )

@@ -1,10 +1,14 @@
-// A fragment of a slice. What becomes of its sample is the hook <blend>, which must define
-//     vec4 slice_color(float s, vec3 p, float segment_length)   the colour to be blended; may discard. s = the sample,
-//                                  p = its texture coordinates, segment_length = of the ray that it stands for, world
-//                                  units
+// A fragment of a slice, which stands for a segment of its ray. What is seen of the segment is the hook <samples>, which
+// must define
+//     vec4 segment_color(vec3 p, vec3 direction, float front, float back, bool begins, bool ends)
+//         the colour to be blended; may discard. p = the sample in texture coordinates, direction = their change per world
+//         unit along the ray, front and back = how far the segment reaches before and behind p, world units; begins,
+//         ends = it is the first, the last one of the ray
+// Where it is made of one sample, that is the hook <blend>, which must define
+//     vec4 slice_color(float s, vec3 p, float segment_length)
+//         the same of the scalar s at p
 // It may read what layer.glsl declares.
 #include "clipping.glsl"
-#include "layer.glsl"
 #include "noise.glsl"
 
 uniform vec2 u_size;
@@ -25,7 +29,7 @@ uniform mat4 u_clip_to_texture;
 in vec3 v_texture;
 out vec4 f_color;
 
-#include <blend>
+#include <samples>
 
 void main() {
     vec3 p = v_texture;
@@ -57,10 +61,9 @@ void main() {
         behind = min(behind, length(u_texture_to_world_vector * (opaque.xyz / opaque.w - p)));
     }
 #endif
-    float s = sample_scalar(p);
-    if (s < u_density_threshold) discard;
     // the first and the last slice of a ray stand for all of it up to where it enters and leaves
-    float front = before < segment ? max(before, 0.0) : 0.5 * segment;
-    float back = behind < segment ? max(behind, 0.0) : 0.5 * segment;
-    f_color = slice_color(s, p, front + back);
+    bool begins = before < segment, ends = behind < segment;
+    float front = begins ? max(before, 0.0) : 0.5 * segment;
+    float back = ends ? max(behind, 0.0) : 0.5 * segment;
+    f_color = segment_color(p, direction, front, back, begins, ends);
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy.typing as npt
 
 from volviz.custom_gl.gpu.programs import Program
 from volviz.custom_gl.gpu.targets import Target, TargetPool
+from volviz.custom_gl.ray_march import JOINT_COMPOSITES
 from volviz.custom_gl.shader_source import GLSL
 from volviz.custom_gl.technique import Frame
 from volviz.custom_gl.techniques.slicing.polygons import SlicePolygons
@@ -24,7 +26,8 @@ _OVER = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 _ADD = (moderngl.ONE, moderngl.ONE)
 
 #: Per mode: blend file, blend function, blend equation, value the accumulation target starts with.
-#: Compositing blends into the frame's own target, the others into one that is resolved at the end.
+#: Compositing blends into the frame's own target, the others into one that is resolved at the end: of several layers
+#: once for each, since each has a scalar of its own.
 _MODES: dict[str, tuple[str, tuple[int, int], int, float | None]] = {
     "composite": ("composite", _OVER, moderngl.FUNC_ADD, None),
     "additive": ("additive", _ADD, moderngl.FUNC_ADD, 0.0),
@@ -33,6 +36,26 @@ _MODES: dict[str, tuple[str, tuple[int, int], int, float | None]] = {
     "minimum": ("extreme", _ADD, moderngl.MIN, 2.0),
     "attenuated_maximum": ("attenuated", _ADD, moderngl.MAX, -1.0),
 }
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Slices `start` to `stop` - 1 in a tile, of all layers together or of one of them.
+
+    Attributes
+    ----------
+    layer : int
+        Number of the layer; 0 where they are drawn together.
+    first, last : bool
+        Whether the layer begins or ends with this part.
+    """
+
+    layer: int
+    tile: tuple[int, int, int, int]
+    start: int
+    stop: int
+    first: bool
+    last: bool
 
 
 class Slicing:
@@ -44,7 +67,7 @@ class Slicing:
     def __init__(self) -> None:
         self.polygons = SlicePolygons()
         self._arrays: dict[int, tuple[Any, Any]] = {}
-        self._parts: list[tuple[int, int, int]] = []
+        self._parts: list[_Part] = []
         self._pool: TargetPool | None = None
         self._purposes: set[str] = set()
 
@@ -53,21 +76,36 @@ class Slicing:
         self.polygons.update(frame)
         self._parts = []
         if frame.settings.display != "wireframe":
-            for tile, (_, _, width, height) in enumerate(frame.tiles):
-                per_part = max(CHUNK_FRAGMENTS // (width * height), 1)
-                for start in range(0, self.polygons.count, per_part):
-                    self._parts.append((tile, start, min(start + per_part, self.polygons.count)))
-        if self._parts:
-            self._begin(frame)
+            ranges = []
+            for tile in frame.tiles:
+                per_part = max(CHUNK_FRAGMENTS // (tile[2] * tile[3]), 1)
+                starts = range(0, self.polygons.count, per_part)
+                ranges += [(tile, start, min(start + per_part, self.polygons.count)) for start in starts]
+            last = len(ranges) - 1
+            self._parts = [
+                _Part(layer, *part, first=n == 0, last=n == last)
+                for layer in self._drawn_apart(frame)
+                for n, part in enumerate(ranges)
+            ]
         return len(self._parts) + 1
 
+    @staticmethod
+    def _drawn_apart(frame: Frame) -> list[int]:
+        """Numbers of the layers that are drawn one after the other."""
+        if frame.joint is None or frame.settings.mode in JOINT_COMPOSITES:
+            return [0]
+        return [n for n, layer in enumerate(frame.layers) if layer.labels is None and layer.mode == "add"]
+
     def draw(self, frame: Frame, chunk: int) -> None:
-        """Some slices of one tile; the last chunk resolves the mode and draws the outlines."""
+        """Some slices of one tile; the last chunk draws the outlines."""
         if chunk < len(self._parts):
-            self._draw_part(frame, *self._parts[chunk])
+            part = self._parts[chunk]
+            if part.first:
+                self._begin(frame)
+            self._draw_part(frame, part)
+            if part.last and frame.settings.mode != "composite":
+                self._resolve(frame, part.layer)
             return
-        if frame.settings.mode != "composite" and self._parts:
-            self._resolve(frame)
         if frame.settings.display != "image":
             self._draw_outlines(frame)
 
@@ -80,41 +118,39 @@ class Slicing:
         if frame.settings.mode == "attenuated_maximum":
             self._integral(frame).fbo.clear(0.0, 0.0, 0.0, 0.0)
 
-    def _draw_part(self, frame: Frame, tile: int, start: int, stop: int) -> None:
+    def _draw_part(self, frame: Frame, part: _Part) -> None:
         gl = frame.gpu.gl
         mode = frame.settings.mode
         blend, function, equation, first_value = _MODES[mode]
-        program = self._program(frame, blend)
-        if first_value is not None:
-            self._accumulation(frame).fbo.use()
-        gl.scissor = frame.tiles[tile]
+        program = self._program(frame, blend, part.layer)
+        target = frame.target if first_value is None else self._accumulation(frame)
+        target.fbo.use()
+        gl.scissor = part.tile
         gl.enable_only(moderngl.BLEND)
         if mode == "attenuated_maximum":
-            self._draw_attenuated(frame, program, frame.tiles[tile], start, stop)
+            self._draw_attenuated(frame, program, part)
         else:
             gl.blend_func, gl.blend_equation = function, equation
-            self._render(frame, program, start, stop)
+            self._render(frame, program, part.start, part.stop)
         gl.blend_equation = moderngl.FUNC_ADD
         gl.scissor = None
 
-    def _draw_attenuated(
-        self, frame: Frame, program: Program, tile: tuple[int, int, int, int], start: int, stop: int
-    ) -> None:
+    def _draw_attenuated(self, frame: Frame, program: Program, part: _Part) -> None:
         """Front to back, each slice first into the maximum and then into the integral it is weakened by."""
         gl = frame.gpu.gl
-        adding = self._program(frame, "integral")
+        adding = self._program(frame, "integral", part.layer)
         integral, extreme = self._integral(frame), self._accumulation(frame)
         count = self.polygons.count
-        for step in range(start, stop):
+        for step in range(part.start, part.stop):
             s = count - 1 - step
             for target, drawing, equation in (
                 (extreme, program, moderngl.MAX), (integral, adding, moderngl.FUNC_ADD),
             ):  # fmt: skip
                 target.fbo.use()
-                gl.scissor = tile
+                gl.scissor = part.tile
                 gl.blend_func, gl.blend_equation = _ADD, equation
                 if target is extreme:
-                    drawing.use_texture("t_integral", integral.color)
+                    drawing.use_texture("t_integral", integral.color, part.layer)
                 self._render(frame, drawing, s, s + 1)
 
     def _render(self, frame: Frame, program: Program, start: int, stop: int) -> None:
@@ -123,12 +159,14 @@ class Slicing:
         if vertices:
             self._array(frame, program).render(moderngl.TRIANGLES, vertices=vertices, first=int(first[start]))
 
-    def _program(self, frame: Frame, blend: str) -> Program:
-        program = frame.program(
-            GLSL / "polygon.vert",
-            _HERE / "slicing.frag",
-            hooks={"blend": _HERE / "blends" / f"{blend}.glsl"},
-        )
+    def _program(self, frame: Frame, blend: str, layer: int) -> Program:
+        hooks: dict[str, str | Path] = {"blend": _HERE / "blends" / f"{blend}.glsl"}
+        joint = None if frame.joint is None else JOINT_COMPOSITES.get(frame.settings.mode)
+        if joint is not None:
+            hooks["composite"] = joint
+        samples = "volume" if frame.joint is None else "one_layer" if joint is None else "layers"
+        hooks["samples"] = _HERE / "samples" / f"{samples}.glsl"
+        program = frame.program(GLSL / "polygon.vert", _HERE / "slicing.frag", {"DRAWN": layer}, hooks)
         to_clip = frame.texture_to_clip
         program.set(
             {
@@ -150,15 +188,31 @@ class Slicing:
 
     # ------------------------------------------------------------------ the other chunks
 
-    def _resolve(self, frame: Frame) -> None:
+    def _resolve(self, frame: Frame, layer: int) -> None:
+        gl = frame.gpu.gl
         mode = frame.settings.mode
-        defines = {"RESOLVE_ADDITIVE": mode == "additive", "RESOLVE_AVERAGE": mode == "average"}
+        defines = {
+            "RESOLVE_ADDITIVE": mode == "additive", "RESOLVE_AVERAGE": mode == "average", "DRAWN": layer,
+        }  # fmt: skip
         program = frame.program(GLSL / "fullscreen.vert", _HERE / "resolve.frag", defines)
         frame.target.fbo.use()
         program.use_texture("t_accumulated", self._accumulation(frame).color)
-        for tile in frame.tiles:
-            frame.gpu.gl.scissor = tile
-            frame.gpu.draw_fullscreen(program)
+        # colours of layers are added, up to white
+        passes = [(program, moderngl.FUNC_ADD)]
+        if frame.joint is not None:
+            white = frame.program(GLSL / "fullscreen.vert", _HERE / "outline.frag")
+            white.set({"u_outline_color": (1.0, 1.0, 1.0, 1.0)})
+            passes.append((white, moderngl.MIN))
+        gl.enable_only(moderngl.BLEND if frame.joint is not None else moderngl.NOTHING)
+        gl.blend_func = _ADD
+        for drawing, equation in passes:
+            gl.blend_equation = equation
+            for tile in frame.tiles:
+                gl.scissor = tile
+                frame.gpu.draw_fullscreen(drawing)
+        gl.blend_equation = moderngl.FUNC_ADD
+        gl.enable_only(moderngl.NOTHING)
+        gl.scissor = None
 
     def _draw_outlines(self, frame: Frame) -> None:
         gl = frame.gpu.gl

@@ -1,4 +1,6 @@
 // The scalar, weakened by the integral of the slices in front of it, blended with MAX.
+#pragma per_layer
+
 uniform sampler2D t_integral;    // of the scalar, in opacity unit distances
 uniform float u_attenuation;
 

@@ -1,0 +1,120 @@
+"""A strip over the views with an image of each look: the present one is marked, a click takes another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QEnterEvent, QIcon, QImage, QPixmap, QResizeEvent
+from PySide6.QtWidgets import QFrame, QGridLayout, QToolButton, QWidget
+
+from volviz.model.looks.look import Look
+
+MARGIN = 12
+#: Width and height of an image: where there is room, and where there is not.
+LARGE, SMALL = QSize(104, 72), QSize(72, 50)
+STAYS_MS = 6000
+"""How long the strip stays when nobody points at it."""
+
+
+class LookStrip(QFrame):
+    """Buttons with images and names at the bottom of what it covers; goes away by itself.
+
+    Attributes
+    ----------
+    chosen : signal (Look)
+        Another look was clicked.
+    """
+
+    chosen = Signal(object)
+
+    def __init__(self, over: QWidget) -> None:
+        super().__init__(over)
+        self.setObjectName("look_strip")
+        self.setAutoFillBackground(True)
+        self.setAccessibleName(self.tr("Looks"))
+        self.looks: tuple[Look, ...] = ()
+        self.buttons: list[QToolButton] = []
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(6, 6, 6, 6)
+        self._grid.setSpacing(2)
+        self._away = QTimer(self)
+        self._away.setSingleShot(True)
+        self._away.setInterval(STAYS_MS)
+        self._away.timeout.connect(self._on_time_over)
+        over.installEventFilter(self)
+        self.hide()
+
+    def show_looks(self, looks: Sequence[Look]) -> None:
+        """Show these looks, or show them again."""
+        if self.looks != tuple(looks):
+            self.clear()
+            self.looks = tuple(looks)
+            self.buttons = [self._button(look) for look in self.looks]
+        self.show()
+        self._place()
+        self.raise_()
+        self._away.start()
+
+    def clear(self) -> None:
+        """Show nothing any more."""
+        self.hide()
+        self._away.stop()
+        for button in self.buttons:
+            self._grid.removeWidget(button)
+            button.deleteLater()
+        self.looks, self.buttons = (), []
+
+    def mark(self, number: int | None) -> None:
+        """Mark the look that is shown, or none."""
+        for each, button in enumerate(self.buttons):
+            button.setChecked(each == number)
+
+    def show_image(self, number: int, image: QImage) -> None:
+        """Show how a look looks."""
+        self.buttons[number].setIcon(QIcon(QPixmap.fromImage(image)))
+
+    def _button(self, look: Look) -> QToolButton:
+        button = QToolButton(self)
+        button.setCheckable(True)
+        button.setAutoRaise(True)
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        button.setText(look.label)
+        button.setToolTip(look.description)
+        button.clicked.connect(lambda: self.chosen.emit(look))
+        empty = QPixmap(LARGE)
+        empty.fill(Qt.GlobalColor.transparent)
+        button.setIcon(QIcon(empty))
+        return button
+
+    def _place(self) -> None:
+        over = self.parentWidget()
+        room = over.width() - 2 * MARGIN
+        size = LARGE if len(self.buttons) * (LARGE.width() + 14) <= room else SMALL
+        columns = max(1, min(len(self.buttons), room // (size.width() + 14)))
+        for number, button in enumerate(self.buttons):
+            button.setIconSize(size)
+            button.setFixedWidth(size.width() + 12)
+            self._grid.addWidget(button, number // columns, number % columns)
+        self.adjustSize()
+        self.move((over.width() - self.width()) // 2, over.height() - self.height() - MARGIN)
+
+    def _on_time_over(self) -> None:
+        if not self.underMouse():
+            self.hide()
+
+    def enterEvent(self, event: QEnterEvent) -> None:
+        """Somebody is choosing."""
+        self._away.stop()
+        super().enterEvent(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Nobody is choosing any more."""
+        self._away.start()
+        super().leaveEvent(event)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay at the bottom in the middle when the widget below changes its size."""
+        if isinstance(event, QResizeEvent) and not self.isHidden():
+            self._place()
+        return super().eventFilter(watched, event)
