@@ -47,10 +47,10 @@ class MeasureCommands(QObject):
                 self._tool_command("angle", tr("&Angle"), tr("At the second of three points"), "Shift+A"),
                 self._tool_command("polygon", tr("&Polygon"), tr("Area, perimeter and statistics"), "Shift+P"),
                 self._tool_command("ellipse", tr("&Ellipse"), tr("Area, perimeter and statistics"), "Shift+E"),
-                self._tool_command("profile", tr("P&rofile"), tr("Values along a line"), "Shift+R"),
+                self._tool_command("profile", tr("Pro&file"), tr("Values along a line"), "Shift+R"),
                 None,
-                self._tool_command("point", tr("P&oint"), tr("Mark a point; its name stands beside it"), "Shift+O"),
-                self._tool_command("arrow", tr("Arro&w with text"), tr("Point at something"), "Shift+W"),
+                self._tool_command("point", tr("&Mark a point"), tr("Mark a point; its name stands beside it"), "Shift+O"),
+                self._tool_command("arrow", tr("Arrow &with text"), tr("Point at something"), "Shift+W"),
                 None,
                 Command(
                     "measure.none", tr("Put the tool awa&y"), tr("Clicks mean what they meant before"),
