@@ -49,7 +49,7 @@ class MeasureCommands(QObject):
                 self._tool_command("ellipse", tr("&Ellipse"), tr("Area, perimeter and statistics"), "Shift+E"),
                 self._tool_command("profile", tr("Pro&file"), tr("Values along a line"), "Shift+R"),
                 None,
-                self._tool_command("point", tr("&Mark a point"), tr("Mark a point; its name stands beside it"), "Shift+O"),
+                self._tool_command("point", tr("&Mark a point"), tr("Its name stands beside it"), "Shift+O"),
                 self._tool_command("arrow", tr("Arrow &with text"), tr("Point at something"), "Shift+W"),
                 None,
                 Command(
