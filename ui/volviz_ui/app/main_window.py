@@ -25,6 +25,7 @@ from volviz_ui.commands.edit import EditCommands
 from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.help import HelpCommands
 from volviz_ui.commands.looks import LookCommands
+from volviz_ui.commands.measure import MeasureCommands
 from volviz_ui.commands.movie import MovieCommands
 from volviz_ui.commands.picture import PictureCommands
 from volviz_ui.commands.presets import PresetsOfFunction
@@ -39,6 +40,8 @@ from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.reports import Reports
 from volviz_ui.compare.surface_distances import SurfaceDistances
 from volviz_ui.labels.panel import LabelPanel
+from volviz_ui.measuring.panel import MeasurementsPanel
+from volviz_ui.measuring.tool import MeasureTool
 from volviz_ui.movie.maker import MovieMaker
 from volviz_ui.movie.panel import MoviePanel
 from volviz_ui.panels.data import DataPanel
@@ -123,6 +126,7 @@ class MainWindow(QMainWindow):
         self.messages = WindowMessages(self, self.documents, self.views)
         self.docks = Docks(self)
         self.surface = ShownMesh(self.store, self.workers, self)
+        self.measure_tool = MeasureTool(self.store, self.documents, self.views, self)
         self.context = AppContext(
             window=self,
             store=self.store,
@@ -134,6 +138,7 @@ class MainWindow(QMainWindow):
             views=self.views,
             docks=self.docks,
             surface=self.surface,
+            tool=self.measure_tool,
             messages=self.messages,
         )
         self._make_panels()
@@ -175,6 +180,11 @@ class MainWindow(QMainWindow):
             "compare", tr("Compare"), self.compare_panel,
             tr("How two views are compared, and what is measured of them"), ("Ctrl+M",),
         )  # fmt: skip
+        self.measurements_panel = MeasurementsPanel(store, documents, self)
+        docks.add(
+            "measurements", tr("Measurements"), self.measurements_panel,
+            tr("What was measured and marked, with its numbers"), ("Ctrl+Shift+M",),
+        )  # fmt: skip
         docks.add(
             "labels", tr("Labels"), self.label_panel,
             tr("The labels of a segmentation: show, colour and measure them"), ("Ctrl+B",),
@@ -211,6 +221,9 @@ class MainWindow(QMainWindow):
         self.time_commands = TimeCommands(context)
         self.view_commands = ViewCommands(context, self.look_commands, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
+        self.measure_commands = MeasureCommands(
+            context, self.measure_tool, self.measurements_panel, self.view_commands
+        )
         self.technique_commands = TechniqueCommands(context)
         self.movie_commands = MovieCommands(context, self.movie_maker)
         self.help_commands = HelpCommands(context, self.commands)
@@ -219,6 +232,7 @@ class MainWindow(QMainWindow):
             self.edit_commands,
             self.view_commands,
             self.technique_commands,
+            self.measure_commands,
             self.compare_commands,
             self.movie_commands,
             self.help_commands,

@@ -11,14 +11,21 @@ VERSION = 3
 """Of the places that Qt remembers."""
 SIDE_WIDTHS = [264, 340]
 FOOT_HEIGHT = 236
+_PLACES = (
+    ("crosscheck", "transfer"),
+    ("labels", "transfer"),
+    ("compare", "data"),
+    ("movie", "data"),
+    ("measurements", "technique"),
+)
+"""Panels that share the place of another one."""
 
 
 class Docks(QObject):
     """The docks by name, and the places where they belong.
 
     "data", "technique" and "transfer" are there from the beginning: left, right, and at the foot over the whole width.
-    The others are hidden until somebody asks for them: "ray" beside the transfer function, "labels" and "crosscheck" in
-    tabs with it, "compare" and "movie" in tabs with the data.
+    The others are hidden until somebody asks for them: "ray" beside the transfer function, the rest in tabs with these.
     """
 
     def __init__(self, window: QMainWindow) -> None:
@@ -103,9 +110,7 @@ class Docks(QObject):
         self["ray"].setFloating(False)
         window.splitDockWidget(self["transfer"], self["ray"], Qt.Orientation.Horizontal)
         self["ray"].hide()
-        for name, place in (
-            ("crosscheck", "transfer"), ("labels", "transfer"), ("compare", "data"), ("movie", "data"),
-        ):  # fmt: skip
+        for name, place in _PLACES:
             self[name].setFloating(False)
             window.tabifyDockWidget(self[place], self[name])
             self[name].hide()
