@@ -17,6 +17,7 @@ from volviz.custom_gl.layer_set import (
     ResolvedLayer,
     resolved_labels,
     resolved_layer,
+    seen_from,
     visible_layers,
 )
 from volviz.custom_gl.registry import technique as technique_info
@@ -120,8 +121,33 @@ class ResolvedSpec:
 
     @cached_property
     def isovalues(self) -> tuple[float, ...]:
-        """Values of the isosurfaces that the technique shows, in data units; empty where it shows none."""
+        """Values of the isosurfaces that the technique shows, in data units; empty where it shows none.
+
+        Of several layers they are those of the first one that is seen.
+        """
+        if self.is_joint and self.info.isovalue_setting:
+            return next((self.isovalues_of(layer) for layer in self.layers if self.leads(layer)), ())
         return self.info.isovalues(self.settings, self.volume)
+
+    def leads(self, layer: ResolvedLayer | ResolvedLabels) -> bool:
+        """Whether a layer is the first one that is seen, which settings of isosurfaces and the crop box mean."""
+        return (
+            isinstance(layer, ResolvedLayer)
+            and layer.mode == "add"
+            and layer.volume is self.volume
+            and layer.transfer_function is self.transfer_function
+        )
+
+    def isovalues_of(self, layer: ResolvedLayer | ResolvedLabels) -> tuple[float, ...]:
+        """Values of the isosurfaces of one of several layers, in data units.
+
+        Those that are set belong to the first one; the others show where their functions begin to be seen.
+        """
+        if not self.info.isovalue_setting or not isinstance(layer, ResolvedLayer):
+            return ()
+        if self.leads(layer) and getattr(self.settings, self.info.isovalue_setting) is not None:
+            return self.info.isovalues(self.settings, layer.volume)
+        return (seen_from(layer.transfer_function, layer.volume.range),)
 
     @property
     def unit_distance(self) -> float:

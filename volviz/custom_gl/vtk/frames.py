@@ -120,6 +120,8 @@ def _add_layers(frame: Frame, shown: ResolvedSpec, joint: LayerResources) -> Non
             unit_distance=shown.unit_distance_of(layer.volume),
             crop=shown.crop if shown.is_one_lattice else Clipping().crop_within(layer.volume.dimensions),
             mode=layer.mode,
+            isovalues=shown.isovalues_of(layer),
+            leads=shown.leads(layer),
             labels=layer.shown if isinstance(layer, ResolvedLabels) else None,
             joined_to=frame,
             joint=None,
