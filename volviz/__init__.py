@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from volviz.model.light import Light as Light
     from volviz.model.looks.choice import looks as looks
     from volviz.model.looks.look import Look as Look
+    from volviz.model.picture import PictureContents as PictureContents
     from volviz.model.transfer.function import TransferFunction as TransferFunction
     from volviz.renderer import Renderer as Renderer
     from volviz.renderer import render as render
@@ -46,6 +47,7 @@ _PUBLIC = {
     "ImageLayer": "volviz.model.layers",
     "LabelLayer": "volviz.model.layers",
     "Light": "volviz.model.light",
+    "PictureContents": "volviz.model.picture",
     "Look": "volviz.model.looks.look",
     "Renderer": "volviz.renderer",
     "TransferFunction": "volviz.model.transfer.function",

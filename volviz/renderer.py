@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any, Literal, Self
@@ -11,6 +11,10 @@ from typing import Any, Literal, Self
 import numpy as np
 import numpy.typing as npt
 
+from volviz.annotations.figure import surround
+from volviz.annotations.picture import shapes_around
+from volviz.annotations.shapes import Shape
+from volviz.annotations.subject import subject_of
 from volviz.custom_gl.arguments import spec_of
 from volviz.custom_gl.offscreen import (
     MAX_SIZE,
@@ -32,6 +36,7 @@ from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer
 from volviz.model.light import Light
 from volviz.model.looks.look import Look
+from volviz.model.picture import PictureContents
 from volviz.model.render_spec import RenderSpec, View
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
@@ -65,6 +70,8 @@ def render(
     light: Light | None = None,
     clipping: Clipping | None = None,
     classic: bool = False,
+    show: PictureContents | str | Iterable[str] = (),
+    title: str = "",
     look: Look | str | None = None,
     **values: Any,
 ) -> npt.NDArray[Any]:
@@ -74,7 +81,9 @@ def render(
     ----------
     size : tuple of 2 ints, default: (800, 600)
         Width and height in pixels, 1..16384.
-    volume, technique, transfer_function, camera, background, dtype, settings, light, clipping, classic, look, **values
+    volume, technique, transfer_function, camera, background, dtype, settings, light, clipping, classic, look
+        As for `Renderer.render`.
+    show, title, **values
         As for `Renderer.render`.
 
     Returns
@@ -90,7 +99,8 @@ def render(
     with Renderer(size) as renderer:
         return renderer.render(
             volume, technique, transfer_function=transfer_function, camera=camera, background=background,
-            dtype=dtype, settings=settings, light=light, clipping=clipping, classic=classic, look=look, **values,
+            dtype=dtype, settings=settings, light=light, clipping=clipping, classic=classic, look=look, show=show,
+            title=title, **values,
         )  # fmt: skip
 
 
@@ -154,6 +164,8 @@ class Renderer:
         clipping: Clipping | None = None,
         classic: bool = False,
         surface_colors: SurfaceColors | None = None,
+        show: PictureContents | str | Iterable[str] = (),
+        title: str = "",
         look: Look | str | None = None,
         progress: Callable[[float], None] | None = None,
         cancel: Callable[[], bool] | None = None,
@@ -180,6 +192,11 @@ class Renderer:
             As for `volviz.add_volume`.
         surface_colors : SurfaceColors, optional
             Values that the surface is coloured by, for techniques that draw triangles.
+        show : PictureContents, str or iterable of str
+            What stands around the volume, by name: "box", "axes", "marker" (directions of the world), "bar" (colours of
+            the values), "scale", "letters" (at the edges of a slice), "legend" (of labels and layers).
+        title : str
+            A line above the picture.
         progress, cancel
             As for `draw`.
 
@@ -202,7 +219,8 @@ class Renderer:
         elif look is not None:
             camera = resolve(spec).framing_camera(self._size, stacks_from_faces=True)
         view = View(camera, self._size, background_color(background))
-        return self.draw(spec, view, dtype=dtype, progress=progress, cancel=cancel)
+        contents = PictureContents.of(show, title)
+        return self.draw(spec, view, dtype=dtype, contents=contents, progress=progress, cancel=cancel)
 
     def draw(
         self,
@@ -211,6 +229,7 @@ class Renderer:
         volumes: Volumes | None = None,
         *,
         dtype: DType = "uint8",
+        contents: PictureContents | None = None,
         progress: Callable[[float], None] | None = None,
         cancel: Callable[[], bool] | None = None,
     ) -> npt.NDArray[Any]:
@@ -226,6 +245,8 @@ class Renderer:
             What has been read of the references in the layers.
         dtype : {"uint8", "float32"}
             Values 0..255, or 0..1 without rounding.
+        contents : PictureContents, optional
+            What stands around the volume.
         progress : callable, optional
             Called with the finished part, 0..1.
         cancel : callable, optional
@@ -247,6 +268,7 @@ class Renderer:
         if in_turns and max(view.size) > UNCUT:
             edge = min(edge, TILE)
         width, height = view.size
+        shapes = self.shapes(spec, view, contents or PictureContents(), volumes)
         image = np.empty((height, width, 4), dtype)
         parts = self._parts(spec, view, volumes, edge, TURN_SECONDS if in_turns else None)
         fraction, part = 0.0, None
@@ -256,12 +278,33 @@ class Renderer:
             fraction, part = next(parts)
             if part is not None:
                 (x, y, w, h), pixels = part
+                if shapes:
+                    pixels = surround(pixels, shapes, (x, y))
                 image[y : y + h, x : x + w] = finished(pixels, view.background, dtype)
             if progress is not None:
                 progress(fraction)
             if self._handle is not None and self._handle.is_waiting:
                 self._handle.wait(TURN_SECONDS)
         return image
+
+    def shapes(
+        self, spec: RenderSpec, view: View, contents: PictureContents, volumes: Volumes | None = None
+    ) -> tuple[Shape, ...]:
+        """What stands around the volume in an image, as shapes in its pixels.
+
+        Parameters
+        ----------
+        spec, view, volumes
+            As for `draw`.
+        contents : PictureContents
+            What is wanted.
+        """
+        if contents.is_empty:
+            return ()
+        camera = self._framed(spec, view, volumes).camera
+        assert camera is not None
+        subject = subject_of(resolve(spec, volumes), volumes)
+        return shapes_around(contents, subject, camera, view.size, background=view.background)
 
     def turns(
         self, spec: RenderSpec, view: View, volumes: Volumes | None = None, *, seconds: float = TURN_SECONDS

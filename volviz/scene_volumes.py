@@ -7,11 +7,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from volviz.custom_gl.registry import known_settings, technique
+from volviz.custom_gl.registry import known_settings
 from volviz.custom_gl.resolve import resolve
-from volviz.custom_gl.scene_techniques import drawn_spec
+from volviz.custom_gl.scene_techniques import drawn_spec, surroundings
 from volviz.embedded_session import session_in
 from volviz.io import open as open_source
 from volviz.model.layers import Layer
@@ -79,11 +77,8 @@ class SceneVolumes:
 
     def surroundings(self, scene: Scene) -> Surroundings:
         """What moves have to know of the volumes."""
-        bounds = np.array([volume.bounds for volume in self.of(scene).values()])
-        low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
-        (x0, x1), (y0, y1), (z0, z1) = zip(low.tolist(), high.tolist(), strict=True)
         times = max((self.source(layer).sizes.get("t", 1) for layer in scene.layers), default=1)
-        return Surroundings(lambda name: technique(name).settings, (x0, x1, y0, y1, z0, z1), times)
+        return surroundings(self.of(scene).values(), times)
 
 
 def framed(scene: Scene, volumes: Mapping[VolumeKey, Volume], size: tuple[int, int]) -> Scene:

@@ -31,7 +31,7 @@ PAGES = sorted(
 #: Keywords of `volviz.render` and `volviz.add_volume` that are no settings.
 KEYWORDS = {
     "technique", "transfer_function", "size", "camera", "background", "dtype", "settings", "light", "clipping",
-    "classic", "look",
+    "classic", "look", "show", "title",
 }  # fmt: skip
 
 

@@ -36,6 +36,16 @@ def expected(*layers: Any) -> Any:
     return volviz.render(layers, size=(48, 40), background="black", dtype="float32")
 
 
+def test_a_vector_file_keeps_title_and_numbers(files: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    common = ["other.npy", "--size", "120x90", "--show", "bar, scale", "--title", "Blobs", "--methods"]
+    assert main(["render", *common, "-o", "out.svg"]) == 0
+    assert "Blobs" in (files / "out.svg").read_text(encoding="utf-8")
+    assert "Rendered with VolViz" in capsys.readouterr().out
+    assert main(["render", *common, "-o", "out.png", "--dpi", "300"]) == 0
+    assert main(["render", "other.npy", "--show", "frame", "-o", "out.png"]) == 2
+    assert "cannot show 'frame'" in capsys.readouterr().err
+
+
 def layer(channel: int, look: str = "") -> ImageLayer:
     source = volviz.open("cells.tif")
     volume = source.read(channel=channel)

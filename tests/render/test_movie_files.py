@@ -142,7 +142,7 @@ def test_what_cannot_be_is_refused_before_anything_is_drawn(scene: Scene, tmp_pa
         write_movie(MovieFile(scene, tmp_path / "film.avi", SIZE))
     with pytest.raises(InputError, match="numbered frames"):
         write_movie(MovieFile(scene, tmp_path / "film%s%d.png", SIZE))
-    with pytest.raises(InputError, match="no steps yet"):
+    with pytest.raises(InputError, match="nothing happens"):
         write_movie(MovieFile(replace(scene, movie=Movie()), tmp_path / "film.gif", SIZE))
     with pytest.raises(InputError, match="one time point"):
         write_movie(MovieFile(replace(scene, movie=Movie((Step((Play(),)),))), tmp_path / "film.gif", SIZE))

@@ -53,6 +53,22 @@ def test_pictures_of_all_techniques_in_turn_are_those_drawn_alone(
         np.testing.assert_array_equal(again[ident], expected, err_msg=ident)
 
 
+def test_a_picture_holds_what_is_to_stand_around_the_volume(of: volviz.Volume) -> None:
+    plain = alone(of)
+    bare = alone(of, show=())
+    np.testing.assert_array_equal(bare, plain)
+    shown = alone(of, show=("box", "marker"), title="Head")
+    assert shown[0:30, :, 3].max() == 255
+    assert plain[0:10, 0:30, 3].max() == 0
+    # tiles make the same picture
+    values = {"transfer_function": function(of), "camera": camera(of), "show": "box,marker", "title": "Head"}
+    with volviz.Renderer(SIZE, largest_tile=50) as renderer:
+        tiled = renderer.render(of, **values)
+    assert np.abs(tiled.astype(int) - shown).max() <= 3
+    with pytest.raises(InputError, match="cannot show 'frame'"):
+        alone(of, show="frame")
+
+
 def test_every_value_of_a_picture_may_change_before_the_next(
     of: volviz.Volume, renderer: volviz.Renderer
 ) -> None:

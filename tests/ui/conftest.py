@@ -212,8 +212,13 @@ def is_complete(window: MainWindow) -> bool:
 
 
 def image(window: MainWindow) -> np.ndarray:
-    """The viewport as shown, shape (H, W, 3), float 0..255."""
-    grabbed = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+    """The viewport without what is painted over it, shape (H, W, 3), float 0..255."""
+    return values(window.viewport.grabFramebuffer())
+
+
+def values(picture: QImage) -> np.ndarray:
+    """Colours of an image of Qt, shape (H, W, 3), float 0..255."""
+    grabbed = picture.convertToFormat(QImage.Format.Format_RGB888)
     rows = np.frombuffer(grabbed.constBits(), np.uint8).reshape(grabbed.height(), grabbed.bytesPerLine())
     return rows[:, : 3 * grabbed.width()].reshape(grabbed.height(), grabbed.width(), 3).astype(float)
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -21,14 +22,15 @@ from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog
 from tests.ui.conftest import drawn_image, foreground, image, is_complete
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
 from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
+from volviz.model.picture import PictureContents
 from volviz.volume_data.budgets import budgets
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.commands.shortcuts import ShortcutsDialog
 from volviz_ui.dialogs.export_image import ExportImageDialog
-from volviz_ui.dialogs.raw_import import hints_from_name, is_raw
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.session.script import script_of
 from volviz_ui.style.theme import Theme
+from volviz_ui.views.picture_parts import PictureRequest
 
 Wait = Callable[..., None]
 
@@ -46,7 +48,7 @@ def save(
 ) -> list[str]:
     """Export and wait for the end; what was saved."""
     saved: list[str] = []
-    export = window.file_commands.save_image(str(path), size, transparent=transparent)
+    export = window.picture_commands.save_image(str(path), PictureRequest(size, transparent))
     assert export is not None
     export.saved.connect(saved.append)
     ended: list[bool] = []
@@ -70,6 +72,38 @@ def test_an_exported_picture_has_the_size_and_shows_what_the_viewport_shows(
     assert np.percentile(difference, 99) <= 4
 
 
+def test_an_exported_picture_holds_what_was_asked_for_and_all_views_if_wanted(
+    window: MainWindow, wait_for: Wait, tmp_path: Path
+) -> None:
+    window.commands["view.slices.large"].trigger()
+    wait_for(lambda: len(window.views.view_widgets) == 4 and is_complete(window))
+    dialog = window.picture_commands.export_image()
+    assert dialog is not None
+    assert dialog.view.currentData() is None
+    assert dialog.switches["marker"].isChecked() == window.annotations.is_shown("marker")
+    dialog._print_at(85.0)
+    assert dialog.image_size[0] == 1004
+    dialog.switches["bar"].setChecked(True)
+    dialog.title.setText("A ball")
+    asked = dialog.request
+    dialog.reject()
+    assert (asked.dpi, asked.contents.title, asked.contents.bar) == (300.0, "A ball", True)
+    size = (300, round(300 * asked.size[1] / asked.size[0]))
+    found = []
+    for number, contents in enumerate((PictureContents(), asked.contents)):
+        path = tmp_path / f"{number}.png"
+        export = window.picture_commands.save_image(str(path), replace(asked, size=size, contents=contents))
+        assert export is not None
+        wait_for(lambda export=export: export.is_over)
+        with Image.open(path) as image:
+            assert image.size == size
+            found.append(np.asarray(image, float))
+    assert np.abs(found[1] - found[0]).max() > 100
+    window.commands["view.slices.large"].trigger()
+    window.picture_commands.copy_methods()
+    assert "voxels of" in QApplication.clipboard().text()
+
+
 def test_a_transparent_picture_has_alpha_only_where_the_volume_is(
     window: MainWindow, wait_for: Wait, tmp_path: Path
 ) -> None:
@@ -86,7 +120,7 @@ def test_an_export_can_be_cancelled_and_leaves_the_file_that_was_there(
 ) -> None:
     path = tmp_path / "old.png"
     path.write_bytes(b"what was there")
-    export = window.file_commands.save_image(str(path), (6000, 6000), transparent=False)
+    export = window.picture_commands.save_image(str(path), PictureRequest((6000, 6000)))
     assert export is not None
     told: list[float] = []
     export.progressed.connect(told.append)
@@ -106,7 +140,9 @@ def test_a_window_that_closes_gives_up_its_exports(
 ) -> None:
     bare_window.open(ball_file)
     wait_for(lambda: is_complete(bare_window))
-    export = bare_window.file_commands.save_image(str(tmp_path / "a.png"), (3000, 3000), transparent=True)
+    export = bare_window.picture_commands.save_image(
+        str(tmp_path / "a.png"), PictureRequest((3000, 3000), True)
+    )
     assert export is not None
     told: list[float] = []
     export.progressed.connect(told.append)
@@ -128,7 +164,7 @@ def test_the_picture_on_the_clipboard_is_the_viewport(window: MainWindow) -> Non
     window.commands["file.copy_picture"].trigger()
     image = QApplication.clipboard().image()
     assert (image.width(), image.height()) == window.viewport.pixel_size
-    shown = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+    shown = window.viewport.grab().toImage().convertToFormat(QImage.Format.Format_RGB888)
     assert image.convertToFormat(QImage.Format.Format_RGB888) == shown
 
 
@@ -155,7 +191,7 @@ def test_copying_waits_for_a_slow_technique_and_the_window_goes_on(
     timer.setInterval(10)
     timer.timeout.connect(lambda: ticks.append(time.monotonic()))
     timer.start()
-    copy = window.file_commands.copy_image()
+    copy = window.picture_commands.copy_image()
     told: list[float] = []
     copy.progressed.connect(told.append)
     assert not copy.is_over
@@ -172,7 +208,7 @@ def test_copying_waits_for_a_slow_technique_and_the_window_goes_on(
     assert told
     assert told == sorted(told)
     assert 0.0 < told[-1] <= 1.0
-    shown = window.viewport.grabFramebuffer().convertToFormat(QImage.Format.Format_RGB888)
+    shown = window.viewport.grab().toImage().convertToFormat(QImage.Format.Format_RGB888)
     assert QApplication.clipboard().image().convertToFormat(QImage.Format.Format_RGB888) == shown
     wait_for(lambda: not window.findChildren(QProgressDialog))
 
@@ -183,7 +219,7 @@ def test_copying_can_be_cancelled_and_the_clipboard_keeps_what_it_has(
 ) -> None:
     QApplication.clipboard().setText("before")
     window.technique_commands.refine(1)
-    copy = window.file_commands.copy_image()
+    copy = window.picture_commands.copy_image()
     (dialog,) = window.findChildren(QProgressDialog)
     wait_for(dialog.isVisible)
     (button,) = dialog.findChildren(QPushButton)
@@ -201,7 +237,7 @@ def test_a_window_that_closes_gives_up_copying(
     bare_window.open(ball_file)
     wait_for(lambda: is_complete(bare_window))
     bare_window.technique_commands.refine(1)
-    copy = bare_window.file_commands.copy_image()
+    copy = bare_window.picture_commands.copy_image()
     assert not copy.is_over
     bare_window.close()
     assert copy.is_over
@@ -263,7 +299,7 @@ def test_the_page_of_shortcuts_names_every_key(window: MainWindow) -> None:
 
 
 def test_the_export_dialog_keeps_the_proportions(window: MainWindow) -> None:
-    dialog = ExportImageDialog((400, 300), window)
+    dialog = ExportImageDialog([(0, "")], lambda _view: (400, 300), PictureContents(), window)
     dialog.pixel_width.setValue(800)
     assert dialog.image_size == (800, 600)
     dialog.keep.setChecked(False)
@@ -385,10 +421,3 @@ def test_the_background_is_a_step_of_the_history(window: MainWindow, wait_for: W
     QTest.qWait(50)
     assert image(window)[3, 3].max() < 120
     assert foreground(window).mean() > 0.02
-
-
-def test_raw_names_tell_what_they_tell() -> None:
-    assert is_raw("a/head_256x256x225_uint8.RAW")
-    assert is_raw("male_128x256x256_uint8.raw.gz")
-    assert hints_from_name("head_256x256x225_uint8.raw") == {"dims": (256, 256, 225), "dtype": "uint8"}
-    assert hints_from_name("head.raw") == {}

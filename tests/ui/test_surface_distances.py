@@ -20,6 +20,7 @@ from volviz.model.session import scene_from_dict, scene_to_dict
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.compare import surface_distances
 from volviz_ui.session.script import script_of
+from volviz_ui.views.picture_parts import PictureRequest
 
 Wait = Callable[..., None]
 pytestmark = [
@@ -231,7 +232,7 @@ def test_an_exported_picture_has_the_colours_of_the_window(
     choose(surfaces, "signed", wait_for)
     shown = surfaces.views.pair_images()[0]
     path = tmp_path / "colored.png"
-    surfaces.file_commands.save_image(str(path), surfaces.viewport.pixel_size, transparent=False)
+    surfaces.picture_commands.save_image(str(path), PictureRequest(surfaces.viewport.pixel_size, view=0))
     wait_for(path.exists)
     saved = np.asarray(Image.open(path))
     assert saved.shape == shown.shape

@@ -11,7 +11,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from tests.ui.conftest import drag, foreground, image, is_complete, turn_wheel
+from tests.ui.conftest import drag, foreground, image, is_complete, turn_wheel, values
 from volviz.custom_gl.scene_techniques import choose_technique, drawing_techniques
 from volviz.model.transfer.function import TransferFunction
 from volviz_ui.app.main_window import MainWindow
@@ -313,17 +313,17 @@ def test_box_axes_marker_and_bar_can_be_switched(window: MainWindow, wait_for: W
     enlarge(window, wait_for)
     for name in ("box", "axes", "marker", "bar"):
         action = window.commands[f"view.{name}"]
-        off = image(window)
+        off = values(window.viewport.grab().toImage())
         was_on = action.isChecked()
         action.trigger()
         QTest.qWait(50)
         wait_for(lambda: is_complete(window))
-        assert np.abs(image(window) - off).max() > 20, name
+        assert np.abs(values(window.viewport.grab().toImage()) - off).max() > 20, name
         assert window.annotations.is_shown(name) is not was_on
         action.trigger()
         QTest.qWait(50)
         wait_for(lambda: is_complete(window))
-        assert np.abs(image(window) - off).max() <= 2, name
+        assert np.abs(values(window.viewport.grab().toImage()) - off).max() <= 2, name
 
 
 def double_click(window: MainWindow, at: QPoint) -> None:

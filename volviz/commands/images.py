@@ -19,9 +19,11 @@ from volviz.commands.layers import (
 )
 from volviz.commands.slices import add_plane_options, asks_for_slice, plane_values, slicing_technique
 from volviz.errors import InputError, VolvizError
+from volviz.model.picture import SWITCHES, PictureContents
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 
 if TYPE_CHECKING:
+    from volviz.annotations.shapes import Shape
     from volviz.custom_gl.technique import TechniqueInfo
     from volviz.model.camera import Camera
     from volviz.model.layers import ImageLayer, LabelLayer
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from volviz.model.transfer.function import TransferFunction
     from volviz.volume_data.volume import Volume
 
-IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".svg", ".pdf")
 #: These hold no transparency.
 OPAQUE_SUFFIXES = (".jpg", ".jpeg", ".bmp")
 
@@ -50,6 +52,7 @@ def add_commands(commands: Any) -> None:
     )
     add_look_options(parser)
     add_plane_options(parser)
+    add_contents_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -80,6 +83,24 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
                         help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
     parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
+
+
+def add_contents_options(parser: argparse.ArgumentParser) -> None:
+    """What belongs into a picture beside the volume."""
+    parser.add_argument(
+        "--show", default="", metavar="NAMES", help=f"what stands around the volume: {', '.join(SWITCHES)}"
+    )
+    parser.add_argument("--title", default="", metavar="WORDS", help="a line above the picture")
+    parser.add_argument(
+        "--dpi",
+        type=float,
+        default=96.0,
+        metavar="N",
+        help="pixels to an inch of paper (default 96); papers want 300",
+    )
+    parser.add_argument(
+        "--methods", action="store_true", help="print a sentence for the methods section of a paper, too"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -184,8 +205,11 @@ def draw(
     output: Path,
 ) -> None:
     """Draw one image and say where it lies and how long it took."""
+    from volviz.annotations.figure import is_vector
+    from volviz.annotations.methods import methods_sentence
     from volviz.custom_gl.arguments import spec_of
     from volviz.custom_gl.offscreen import background_color
+    from volviz.custom_gl.resolve import resolve
     from volviz.model.render_spec import View
     from volviz.renderer import Renderer
 
@@ -196,15 +220,24 @@ def draw(
     background = "black" if options.background.lower() == "none" else options.background
     camera = turned_camera(spec, size, options)
     begin = time.perf_counter()
+    contents = PictureContents.of([name for name in options.show.split(",") if name.strip()], options.title)
+    ground = None if transparent else background_color(background)
     with Renderer(size) as renderer:
-        view = View(camera, size, None if transparent else background_color(background))
-        image = renderer.draw(spec, view, dtype="float32" if output.suffix.lower() == ".npy" else "uint8")
+        view = View(camera, size, ground)
+        if is_vector(output):
+            image = renderer.draw(spec, replace(view, background=None))
+            shapes = renderer.shapes(spec, view, contents)
+        else:
+            dtype: Any = "float32" if output.suffix.lower() == ".npy" else "uint8"
+            image, shapes = renderer.draw(spec, view, dtype=dtype, contents=contents), ()
         notice = renderer.notice
     seconds = time.perf_counter() - begin
-    save_image(image, output)
+    save_image(image, output, shapes, ground, options.dpi)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
     if notice:
         print(f"note: {notice}")
+    if options.methods:
+        print(methods_sentence(resolve(spec), camera, size))
 
 
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:
@@ -294,8 +327,14 @@ def check_output(output: Path) -> None:
         raise InputError(f"{output}: there is no folder {output.absolute().parent}; make it first.")
 
 
-def save_image(image: Any, output: Path) -> None:
-    """Write an image of shape (H, W, 4), uint8, or any array as .npy."""
+def save_image(
+    image: Any,
+    output: Path,
+    shapes: Sequence[Shape] = (),
+    background: tuple[float, float, float] | None = None,
+    dpi: float = 96.0,
+) -> None:
+    """Write an image of shape (H, W, 4), uint8, or any array as .npy; the rest as for `write_picture`."""
     try:
         if output.suffix.lower() == ".npy":
             import numpy as np
@@ -303,11 +342,9 @@ def save_image(image: Any, output: Path) -> None:
             with output.open("wb") as file:
                 np.save(file, image)
             return
-        from PIL import Image
+        from volviz.annotations.figure import write_picture
 
-        converted = Image.fromarray(image)
-        if output.suffix.lower() in OPAQUE_SUFFIXES:
-            converted = converted.convert("RGB")
-        converted.save(output)
+        shown = image[..., :3] if output.suffix.lower() in OPAQUE_SUFFIXES else image
+        write_picture(output, shown, shapes, background, dpi)
     except OSError as error:
         raise VolvizError(f"{output}: the picture cannot be written ({error.strerror or error}).") from None

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
@@ -12,6 +14,7 @@ from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
 from volviz.model.looks.look import Look
+from volviz.model.movie import Surroundings
 from volviz.model.parameters import Parameter, make_settings
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Layout, Scene, SceneView
@@ -258,6 +261,14 @@ def drawn_layers(scene: Scene, view: int | None = None) -> tuple[Layer, ...]:
 def draws_one(scene: Scene, view: int | None = None) -> bool:
     """Whether the technique of a view draws one layer at a time."""
     return not current_technique(scene, view).draws_layers
+
+
+def surroundings(volumes: Iterable[Volume], times: int = 1) -> Surroundings:
+    """What the moves of a movie have to know of the volumes that a scene shows, and how many time points there are."""
+    bounds = np.array([volume.bounds for volume in volumes])
+    low, high = bounds[:, ::2].min(axis=0).tolist(), bounds[:, 1::2].max(axis=0).tolist()
+    around = (low[0], high[0], low[1], high[1], low[2], high[2])
+    return Surroundings(lambda name: technique_info(name).settings, around, times)
 
 
 def distance_coloring(scene: Scene, view: int | None = None) -> DistanceColoring | None:

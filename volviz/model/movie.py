@@ -50,6 +50,11 @@ class Move(Protocol[S]):
         """Whether it ends where it began, so that a film can be played again and again."""
         ...
 
+    @property
+    def is_place(self) -> bool:
+        """Whether it says where everything is at its end, wherever it was before: a key frame."""
+        ...
+
     def at(self, start: S, fraction: float, about: Surroundings) -> S:
         """The scene when a fraction of the move, 0..1, has passed.
 
@@ -124,19 +129,30 @@ class Movie(Generic[S]):
             raise InputError(f"a movie has {low} to {high} frames a second, got {self.fps}.")
 
     @property
+    def place(self) -> Move[S] | None:
+        """The key frame that the movie begins with, without taking time; None begins with the present scene."""
+        first = self.steps[0].moves if self.steps else ()
+        return first[0] if len(first) == 1 and first[0].is_place else None
+
+    @property
+    def passing(self) -> tuple[Step[S], ...]:
+        """The steps that take time: all but a key frame at the beginning."""
+        return self.steps if self.place is None else self.steps[1:]
+
+    @property
     def seconds(self) -> float:
         """How long it takes."""
-        return sum(step.seconds for step in self.steps)
+        return sum(step.seconds for step in self.passing)
 
     @property
     def loops(self) -> bool:
         """Whether it ends where it began: then its last frame is the one before the first."""
-        return bool(self.steps) and all(step.closes for step in self.steps)
+        return bool(self.passing) and all(step.closes for step in self.passing)
 
     @property
     def frame_count(self) -> int:
-        """Number of frames; 0 without steps."""
-        return max(round(self.seconds * self.fps), 1) if self.steps else 0
+        """Number of frames; 0 where nothing takes time."""
+        return max(round(self.seconds * self.fps), 1) if self.passing else 0
 
     def moment(self, frame: int) -> float:
         """Second that a frame, counted from 0, shows.

@@ -115,7 +115,7 @@ class Store:
                 del self._past[: -self._limit]
             else:
                 for later in self._past[place + 1 :]:
-                    later.scene = _with_change(later.scene, old, new)
+                    later.scene = with_change(later.scene, old, new)
             self._future.clear()
             self.history_changed.emit()
         self.changed.emit(old, new)
@@ -159,8 +159,8 @@ class Store:
         if place is not None:
             after, before = self._scene_after(place), self._past.pop(place).scene
             for later in self._past[place:]:
-                later.scene = _with_change(later.scene, after, before)
-            old, self._scene = self._scene, self._keep_looks(_with_change(self._scene, after, before))
+                later.scene = with_change(later.scene, after, before)
+            old, self._scene = self._scene, self._keep_looks(with_change(self._scene, after, before))
             self.history_changed.emit()
             self.changed.emit(old, self._scene)
         self._leave(key)
@@ -223,7 +223,7 @@ class Store:
         return replace(scene, views=tuple(replace(view, camera=camera) for view, camera in views))
 
 
-def _with_change(value: Any, old: Any, new: Any) -> Any:
+def with_change(value: Any, old: Any, new: Any) -> Any:
     """`value` with what has changed from `old` to `new`, field by field and item by item.
 
     Parts that `value` does not have, or has in another number, stay as they are in `value`.
@@ -234,14 +234,14 @@ def _with_change(value: Any, old: Any, new: Any) -> Any:
         return new
     if isinstance(value, tuple) and isinstance(old, tuple) and isinstance(new, tuple):
         same_length = len(value) == len(old) == len(new)
-        return tuple(map(_with_change, value, old, new)) if same_length else value
+        return tuple(map(with_change, value, old, new)) if same_length else value
     if not is_dataclass(value) or isinstance(value, type):
         return new
     if not type(value) is type(old) is type(new):
         return value
     names = [each.name for each in fields(value)]
     parts = {
-        name: _with_change(getattr(value, name), getattr(old, name), getattr(new, name)) for name in names
+        name: with_change(getattr(value, name), getattr(old, name), getattr(new, name)) for name in names
     }
     try:
         return replace(value, **parts)

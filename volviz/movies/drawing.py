@@ -18,7 +18,7 @@ from volviz.custom_gl.scene_techniques import drawn_spec
 from volviz.embedded_session import saving_options
 from volviz.errors import Cancelled, InputError
 from volviz.model.movie import Movie
-from volviz.model.movies.timeline import Timeline
+from volviz.model.movies.timeline import NOTHING, Timeline
 from volviz.model.render_spec import Color, View
 from volviz.model.scene import Scene
 from volviz.model.session import scene_to_dict
@@ -135,8 +135,8 @@ def write_movie(
         `overwrite` is asked for; no usable OpenGL; or `Cancelled`.
     """
     kind = movie.kind
-    if not movie.scene.movie.steps:
-        raise InputError("the movie has no steps yet; add a move or a key frame.")
+    if not movie.scene.movie.passing:
+        raise InputError(NOTHING)
     if kind is not None:
         check_encoder(kind, movie.size, transparent=movie.background is None)
         check_target(movie.output, overwrite=overwrite)

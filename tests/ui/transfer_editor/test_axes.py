@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from volviz_ui.transfer_editor.axes import OpacityAxis, ValueAxis, round_values, value_text
+from volviz.model.ticks import round_values, value_text
+from volviz_ui.transfer_editor.axes import OpacityAxis, ValueAxis
 
 value = st.floats(-1e5, 1e5, allow_nan=False)
 axes = st.builds(

@@ -262,9 +262,9 @@ def test_a_step_begins_where_the_one_before_ended() -> None:
 
 
 def test_key_frames_on_a_path_are_not_stopped_at() -> None:
-    ends = [scene().with_camera(CAMERA.rotated((0, 0, 1), angle)) for angle in (40.0, 90.0)]
+    ends = [scene().with_camera(CAMERA.rotated((0, 0, 1), angle)) for angle in (0.0, 40.0, 90.0)]
     line = filmed(*(Step((KeyFrame(end),), 1.0, "path") for end in ends))
-    assert line.at(1.0).view.camera == ends[0].view.camera
+    assert line.at(1.0).view.camera == ends[1].view.camera
     just = [np.array(line.at(1.0 + t).view.camera.position) for t in (-0.01, 0.0, 0.01)]
     before, after = just[1] - just[0], just[2] - just[1]
     assert np.linalg.norm(before) > 0.03
@@ -277,8 +277,18 @@ def test_key_frames_on_a_path_are_not_stopped_at() -> None:
 
 
 def test_a_movie_without_steps_is_none() -> None:
-    with pytest.raises(InputError, match="no steps yet"):
+    with pytest.raises(InputError, match="nothing happens"):
         filmed()
+
+
+def test_a_key_frame_at_the_beginning_is_where_the_movie_begins() -> None:
+    first, second = (scene(background=(grey, grey, grey)) for grey in (0.2, 0.6))
+    line = filmed(Step((KeyFrame(first),), 5.0), Step((KeyFrame(second),), 1.0, "even"))
+    assert line.movie.seconds == 1.0
+    assert line.at(0.0).background == (0.2, 0.2, 0.2)
+    assert line.at(0.5).background == pytest.approx((0.4, 0.4, 0.4))
+    with pytest.raises(InputError, match="nothing happens"):
+        filmed(Step((KeyFrame(first),), 5.0))
 
 
 def test_movies_are_limited() -> None:

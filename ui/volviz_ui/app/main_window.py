@@ -24,6 +24,8 @@ from volviz_ui.commands.edit import EditCommands
 from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.help import HelpCommands
 from volviz_ui.commands.looks import LookCommands
+from volviz_ui.commands.movie import MovieCommands
+from volviz_ui.commands.picture import PictureCommands
 from volviz_ui.commands.presets import PresetsOfFunction
 from volviz_ui.commands.session import SessionCommands
 from volviz_ui.commands.table import CommandTable
@@ -35,6 +37,8 @@ from volviz_ui.compare.measurements import Measurements
 from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.reports import Reports
 from volviz_ui.compare.surface_distances import SurfaceDistances
+from volviz_ui.movie.maker import MovieMaker
+from volviz_ui.movie.panel import MoviePanel
 from volviz_ui.panels.data import DataPanel
 from volviz_ui.panels.technique import TechniquePanel
 from volviz_ui.ray_inspector.inspector import RayInspector
@@ -149,6 +153,8 @@ class MainWindow(QMainWindow):
         self.ray_panel = RayPanel(self)
         self.compare_panel = ComparePanel(store, self.compare_commands, self)
         self.crosscheck_panel = CrosscheckPanel(documents, workers, self)
+        self.movie_maker = MovieMaker(self.context)
+        self.movie_panel = MoviePanel(self.movie_maker, documents, self)
         docks = self.docks
         docks.add("data", tr("Data"), self.data_panel, tr("What is loaded, and what is cut away"))
         docks.add("technique", tr("Technique"), self.technique_panel, tr("How the volume is drawn"))
@@ -170,6 +176,10 @@ class MainWindow(QMainWindow):
             "crosscheck", tr("Cross-check"), self.crosscheck_panel,
             tr("Compare our mesh with those of VTK, difference by difference"),
         )  # fmt: skip
+        docks.add(
+            "movie", tr("Movie"), self.movie_panel,
+            tr("Turns, cuts and key frames, drawn into a film"), ("Ctrl+Shift+V",),
+        )  # fmt: skip
         self.transfer_editor.counter.workers.gate = self.gate
         self.thumbnails = Thumbnails(documents, workers, self)
         self.transfer_editor.thumbnail_provider = self.thumbnails.request
@@ -188,12 +198,14 @@ class MainWindow(QMainWindow):
         context = self.context
         self.commands = CommandTable(context)
         self.session_commands = SessionCommands(context)
-        self.file_commands = FileCommands(context, self.session_commands)
+        self.picture_commands = PictureCommands(context)
+        self.file_commands = FileCommands(context, self.session_commands, self.picture_commands)
         self.look_commands = LookCommands(context, self.thumbnails.request)
         self.time_commands = TimeCommands(context)
         self.view_commands = ViewCommands(context, self.look_commands, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
         self.technique_commands = TechniqueCommands(context)
+        self.movie_commands = MovieCommands(context, self.movie_maker)
         self.help_commands = HelpCommands(context, self.commands)
         in_bar = (
             self.file_commands,
@@ -201,6 +213,7 @@ class MainWindow(QMainWindow):
             self.view_commands,
             self.technique_commands,
             self.compare_commands,
+            self.movie_commands,
             self.help_commands,
         )
         fill_menu_bar(self.menuBar(), [self.commands.add(each.menu()) for each in in_bar], self.commands)
@@ -243,6 +256,11 @@ class MainWindow(QMainWindow):
         self.views.drawn.connect(self._on_drawn)
         self.player.repeat = self.preferences.repeat
         self.time_bar.repeat_chosen.connect(self._set_repeat)
+        self.movie_panel.save_requested.connect(self.movie_commands.save)
+        self.movie_maker.failed.connect(self.messages.show_error)
+        self.movie_maker.written.connect(
+            lambda path: self.messages.show_status(self.tr("%1 is drawn.").replace("%1", path))
+        )
         self.compare_commands.report_requested.connect(self.reports.write_report)
         self.documents.opened.connect(self._on_opened)
         self.session_commands.unsaved.changed.connect(self.setWindowModified)
@@ -388,12 +406,13 @@ class MainWindow(QMainWindow):
         if self.autosave is not None:
             self.autosave.close()
         self.session_commands.unsaved.close()
-        self.file_commands.close()
+        self.picture_commands.close()
         self.ray_inspector.close()
         self.transfer_editor.close_workers()
         self.measurements.close()
         self.surface_distances.close()
         self.reports.close()
+        self.movie_maker.close()
         self.compilers.close()
         self.player.close()
         self.workers.close()

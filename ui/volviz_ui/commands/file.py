@@ -8,39 +8,32 @@ from typing import Any
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QKeySequence
-from PySide6.QtWidgets import QApplication, QFileDialog
+from PySide6.QtWidgets import QFileDialog
 
 from volviz.model.session import SUFFIX as SESSION_SUFFIX
 from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, is_address
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry, Menu, has_volume
-from volviz_ui.commands.session import SessionCommands, file_stem
+from volviz_ui.commands.picture import PictureCommands
+from volviz_ui.commands.session import SessionCommands
 from volviz_ui.dialogs.choose_entry import ChooseEntryDialog
-from volviz_ui.dialogs.export_image import ExportImageDialog
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
-from volviz_ui.dialogs.job_progress import show_job
 from volviz_ui.dialogs.open_address import OpenAddressDialog
-from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
+from volviz_ui.dialogs.raw_import import RawImportDialog, is_raw, says_all
 from volviz_ui.dialogs.save_volume import SaveVolumeDialog
 from volviz_ui.session.mesh_summary import shows_mesh
 from volviz_ui.session.opening import SeveralImages, title_of
-from volviz_ui.session.script import script_of
-from volviz_ui.views.image_copy import ImageCopy
-from volviz_ui.views.image_export import ImageExport
-
-IMAGES = "PNG (*.png);;TIFF (*.tif *.tiff);;JPEG (*.jpg *.jpeg)"
 
 
 class FileCommands(QObject):
     """Opens and saves for the window."""
 
-    def __init__(self, context: AppContext, sessions: SessionCommands) -> None:
+    def __init__(self, context: AppContext, sessions: SessionCommands, pictures: PictureCommands) -> None:
         super().__init__(context.window)
         self._context = context
-        self._sessions = sessions
+        self._sessions, self._pictures = sessions, pictures
         context.documents.choice_needed.connect(self.choose_entry)
-        self._jobs: list[ImageExport | ImageCopy] = []
 
     def menu(self) -> Menu:
         """The table of its commands."""
@@ -94,25 +87,14 @@ class FileCommands(QObject):
                     tr("Write the volume, or a part of it, to a file of another format"), self.save_volume,
                     icon="floppy-disk", enabled=has_volume,
                 ),
-                Command(
-                    "file.export_picture", tr("&Export picture…"), tr("Draw the picture at any size into a file"),
-                    self.export_image, keys=("Ctrl+E",), icon="export", enabled=has_volume,
-                ),
+                *self._pictures.export_commands(),
                 Command(
                     "file.export_mesh", tr("Export &mesh…"),
                     tr("Write the mesh that marching cubes or tetrahedra show to a file"), self.export_mesh,
                     keys=("Ctrl+Shift+E",), icon="export",
                     enabled=lambda state: state.triangles > 0 and shows_mesh(state.scene),
                 ),
-                Command(
-                    "file.copy_picture", tr("&Copy picture"), tr("Put the viewport on the clipboard"),
-                    self.copy_image, keys=("Ctrl+Shift+C",), icon="copy", enabled=has_volume,
-                ),
-                Command(
-                    "file.copy_script", tr("Copy as P&ython"),
-                    tr("Put a script that draws this picture on the clipboard"), self.copy_script, icon="code",
-                    enabled=has_volume,
-                ),
+                *self._pictures.copy_commands(),
                 None,
                 Command(
                     "file.quit", tr("&Quit"), tr("Close the window"), self._context.window.close, keys=(standard.Quit,)
@@ -243,14 +225,14 @@ class FileCommands(QObject):
         self._context.preferences.folder = str(Path(path).parent)
         if path.endswith(SESSION_SUFFIX):
             self._sessions.unless_unsaved(partial(self._sessions.open_path, path))
-        elif is_raw(path) and Path(path).is_file() and len(hints_from_name(path)) < 2:
+        elif is_raw(path) and Path(path).is_file() and not says_all(path):
             self.ask_how_to_read(path)
         else:
             self._open(path)
 
     def ask_how_to_read(self, path: str) -> RawImportDialog:
         """Open the dialog for raw files; the file is opened when it is accepted."""
-        dialog = RawImportDialog(path, self._context.window)
+        dialog = RawImportDialog(path, self._context.workers, self._context.window)
         dialog.accepted.connect(lambda: self._open(path, **dialog.hints))
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
@@ -274,68 +256,6 @@ class FileCommands(QObject):
                 return
         if paths:
             self.open_path(paths[0])
-
-    def export_image(self) -> ExportImageDialog | None:
-        """Ask for the size, then for the file, and draw."""
-        if self._context.documents.volume is None:
-            return None
-        dialog = ExportImageDialog(self._context.views.first.viewport.pixel_size, self._context.window)
-        dialog.accepted.connect(
-            lambda: self._ask_where(dialog.image_size, transparent=dialog.transparent.isChecked())
-        )
-        dialog.finished.connect(dialog.deleteLater)
-        dialog.open()
-        return dialog
-
-    def _ask_where(self, size: tuple[int, int], *, transparent: bool) -> None:
-        layer, preferences = self._context.store.scene.layer, self._context.preferences
-        name = file_stem(layer.name) if layer is not None else "volviz"
-        start = str(Path(preferences.folder_of("picture")) / f"{name}.png")
-        path, _filter = QFileDialog.getSaveFileName(
-            self._context.window, self.tr("Save the picture"), start, IMAGES
-        )
-        if path:
-            preferences.set_folder_of("picture", path)
-            self.save_image(path, size, transparent=transparent)
-
-    def save_image(self, path: str, size: tuple[int, int], *, transparent: bool) -> ImageExport | None:
-        """Draw the scene at a size and save it, with progress and cancel, while the window goes on."""
-        shown = self._context.documents.shown
-        if shown.volume is None:
-            return None
-        handle = self._context.views.active.controller.handle
-        export = ImageExport(
-            shown,
-            path,
-            size,
-            transparent=transparent,
-            workers=self._context.workers,
-            surface_colors=None if handle is None else handle.surface_colors,
-            parent=self,
-        )
-        name = Path(export.path).name
-        messages = self._context.messages
-        export.saved.connect(lambda _path: messages.show_status(self.tr("Saved %1").replace("%1", name)))
-        export.failed.connect(lambda error: messages.show_error(self.tr("The picture was not saved"), error))
-        self._follow(export, self.tr("Export picture"), self.tr("Drawing %1…").replace("%1", name))
-        return export
-
-    def _follow(self, job: ImageExport | ImageCopy, title: str, words: str) -> None:
-        """Start a job, show how far it is, and forget it when it has ended."""
-        self._jobs.append(job)
-        show_job(self._context.window, job, title, words)
-
-        def forget() -> None:
-            self._jobs.remove(job)
-            job.deleteLater()
-
-        job.ended.connect(forget)
-        job.start()
-
-    def close(self) -> None:
-        """Give up what is being exported or copied, before the window goes."""
-        for job in list(self._jobs):
-            job.cancel()
 
     def save_volume(self) -> SaveVolumeDialog | None:
         """Ask for format, part and file, and write the volume; None where there is none."""
@@ -367,21 +287,6 @@ class FileCommands(QObject):
     def _on_file_saved(self, what: str, path: str) -> None:
         self._context.preferences.set_folder_of(what, path)
         self._context.messages.show_status(self.tr("Saved %1").replace("%1", Path(path).name), 5000)
-
-    def copy_image(self) -> ImageCopy:
-        """Put what is shown, all views of a comparison included, on the clipboard once it is complete."""
-        copy = ImageCopy(self._context.views, self)
-        copy.copied.connect(
-            lambda: self._context.messages.show_status(self.tr("The picture is on the clipboard"), 3000)
-        )
-        self._follow(copy, self.tr("Copy picture"), self.tr("Completing the picture…"))
-        return copy
-
-    def copy_script(self) -> None:
-        """Put a script that draws the same on the clipboard."""
-        script = script_of(self._context.store.scene, self._context.views.first.viewport.pixel_size)
-        QApplication.clipboard().setText(script)
-        self._context.messages.show_status(self.tr("The script is on the clipboard"), 3000)
 
 
 def _literal(name: str) -> str:

@@ -25,8 +25,11 @@ SHOWN_AT_FIRST = {
     "axes": False,
     "marker": True,
     "bar": False,
-    "handles": True,
+    "scale": False,
+    "letters": True,
     "cross_hair": True,
+    "legend": False,
+    "handles": True,
 }
 
 
@@ -67,7 +70,11 @@ class ViewCommands(QObject):
                 self._switch(
                     "marker", tr("&Orientation marker"), tr("Directions of the world, in the corner"), "M", "compass"
                 ),
-                self._switch("bar", tr("&Colour bar"), tr("Colours of the values"), "C"),
+                self._switch("bar", tr("&Colour bar"), tr("Colours of the values, with numbers"), "C"),
+                self._switch("scale", tr("Scal&e bar"), tr("A line of known length, in the corner"), "U"),
+                self._switch(
+                    "legend", tr("Le&gend"), tr("Names and colours of labels, and of several layers"), "G"
+                ),
                 self._switch(
                     "handles", tr("&Handles"),
                     tr("Knobs in the picture that move the light and the cut plane, where the technique has them"), "H",
@@ -125,7 +132,8 @@ class ViewCommands(QObject):
             layout("large", tr("Three slices beside a &large volume"),
                    tr("The volume large, three slices small at its right"), "Ctrl+Shift+D"),
             None,
-            self._switch("cross_hair", tr("&Cross-hair"), tr("Where the slices meet, and what lies at their edges")),
+            self._switch("cross_hair", tr("&Cross-hair"), tr("Where the slices meet")),
+            self._switch("letters", tr("L&etters at the edges"), tr("Right and left, front and back, head and feet")),
             Command(
                 "view.slices.centre", tr("Cross-hair to the &middle"), tr("Back to the middle of the volume"),
                 self.center_cursor, enabled=lambda state: state.scene.cursor is not None,

@@ -17,7 +17,7 @@ from volviz.model.transfer.formats import write_transfer_function
 from volviz_ui.app_context import AppContext
 from volviz_ui.compare.command_line import compare_arguments, function_name
 from volviz_ui.compare.convergence_plot import Curve
-from volviz_ui.compare.report_process import CompareProcess
+from volviz_ui.session.command_process import CommandProcess
 
 KINDS = "HTML (*.html);;JSON (*.json);;CSV (*.csv)"
 CONVERGENCE_SIZE = (240, 180)
@@ -39,7 +39,7 @@ class Reports(QObject):
         self._context = context
         self._report: Path | None = None
         self._folder: QTemporaryDir | None = None
-        self.process = CompareProcess(self)
+        self.process = CommandProcess(self)
         self.process.progressed.connect(self.work_changed.emit)
         self.process.finished.connect(self._on_finished)
         self.process.failed.connect(self._on_failed)

@@ -207,7 +207,7 @@ class SurfaceDistances(QObject):
         if wanted is None or colors is None:
             view_widget.annotations.show_values(None)
         elif colors.are_same:
-            view_widget.annotations.show_values(None, self.tr("No distance: the surfaces are the same"))
+            view_widget.annotations.show_values(None, note=self.tr("No distance: the surfaces are the same"))
         else:
             view_widget.annotations.show_values(wanted, self._unit())
         if handle is None or handle.surface_colors is wanted:

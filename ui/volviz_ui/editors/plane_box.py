@@ -6,11 +6,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtWidgets import QWidget
 
+from volviz.annotations.planes import PLANE_COLORS
 from volviz.custom_gl.scene_techniques import change_setting, current_settings, faced, slice_technique
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.editors.simple import NoWheelComboBox
-from volviz_ui.style.plane_colors import COLORS
 from volviz_ui.widgets.binding import show_value
 
 DOT = 12
@@ -33,8 +33,8 @@ class PlaneBox(NoWheelComboBox):
         self._view = view
         self._parameter = next(p for p in slice_technique().parameters if p.name == "plane")
         for plane, words in self._parameter.choices:
-            if plane in COLORS:
-                self.addItem(_dot(COLORS[plane]), words, plane)
+            if plane in PLANE_COLORS:
+                self.addItem(_dot(PLANE_COLORS[plane]), words, plane)
         self.setAccessibleName(self.tr("Plane of view %1").replace("%1", str(view + 1)))
         self.setToolTip(
             self.tr("Which plane is seen here; its colour is that of its lines in the other views")

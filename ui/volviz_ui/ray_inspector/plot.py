@@ -19,9 +19,10 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from volviz.model.ticks import round_values, value_text
 from volviz.ray_inspection import RayInspection
 from volviz_ui.style.theme import is_palette_change
-from volviz_ui.transfer_editor.axes import OpacityAxis, round_values, value_text
+from volviz_ui.transfer_editor.axes import OpacityAxis
 from volviz_ui.transfer_editor.painting import small_font, with_alpha
 
 LEFT, RIGHT, TOP, FOOT, STRIP, GAP = 52.0, 10.0, 8.0, 20.0, 14.0, 6.0

@@ -94,7 +94,7 @@ class Preferences:
         self._settings.setValue("folder", value)
 
     def folder_of(self, what: str) -> str:
-        """The folder where files of a kind were last: "picture", "mesh", "volume", "session"; at first that of data."""
+        """Where files of a kind were last: "picture", "mesh", "volume", "session", "movie"; at first that of data."""
         return str(self._settings.value(f"folders/{what}", self.folder))
 
     def set_folder_of(self, what: str, path: str) -> None:

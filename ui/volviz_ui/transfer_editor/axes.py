@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from volviz.model.ticks import round_values
+
 #: The part of the data range around its origin that a logarithmic axis shows linearly.
 LINEAR_PART = 1e-2
 #: How far beyond the data the view may go, and the smallest part of the data it may show.
@@ -168,29 +170,6 @@ class OpacityAxis:
         return [0.0, 0.001, 0.01, 0.1, 0.3, 1.0] if self.fine else [0.0, 0.25, 0.5, 0.75, 1.0]
 
 
-def round_values(low: float, high: float, most: int) -> list[float]:
-    """Multiples of 1, 2 or 5 times a power of ten between two values, at most about `most`."""
-    if not low < high or most < 1:
-        return []
-    rough = (high - low) / most
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= rough * 0.999)
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [k * step for k in range(first, last + 1)]
-
-
 def _leading(value: float) -> int:
     """First digit of a number, 0 of 0."""
     return 0 if value == 0.0 else round(abs(value) / 10.0 ** math.floor(math.log10(abs(value)) + 1e-9))
-
-
-def value_text(value: float, span: float) -> str:
-    """A value with as many digits as a window of that width needs."""
-    if value == 0.0:
-        return "0"
-    if not math.isfinite(value):
-        return str(value)
-    digits = max(0, 3 - math.floor(math.log10(span))) if span > 0 else 3
-    if digits > 7 or abs(value) >= 1e7:
-        return f"{value:.4g}"
-    return f"{value:.{min(digits, 6)}f}".rstrip("0").rstrip(".") if digits else f"{value:.0f}"

@@ -7,9 +7,9 @@ import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPainterPath, QPalette, QPen, QPolygonF
 
+from volviz.model.ticks import value_text
 from volviz.model.transfer.channels import Channel
 from volviz.model.transfer.function import TransferFunction
-from volviz_ui.transfer_editor.axes import value_text
 from volviz_ui.transfer_editor.histogram_worker import Counts
 from volviz_ui.transfer_editor.items import RADIUS, PlotLayout
 

@@ -9,9 +9,10 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from volviz.model.ticks import round_values, value_text
 from volviz.model.transfer.function_2d import Region, TransferFunction2D
 from volviz_ui.transfer_editor import painting
-from volviz_ui.transfer_editor.axes import ValueAxis, round_values, value_text
+from volviz_ui.transfer_editor.axes import ValueAxis
 from volviz_ui.transfer_editor.items import BOTTOM, RIGHT, TOP
 
 if TYPE_CHECKING:

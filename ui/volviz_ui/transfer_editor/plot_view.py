@@ -20,9 +20,10 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from volviz.model.ticks import value_text
 from volviz_ui.style.theme import is_palette_change
 from volviz_ui.transfer_editor import painting
-from volviz_ui.transfer_editor.axes import OpacityAxis, ValueAxis, value_text
+from volviz_ui.transfer_editor.axes import OpacityAxis, ValueAxis
 from volviz_ui.transfer_editor.items import Hit, PlotLayout
 
 if TYPE_CHECKING:

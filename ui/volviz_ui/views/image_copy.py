@@ -67,7 +67,7 @@ class ImageCopy(QObject):
         for view_widget in views.shown_view_widgets:
             view_widget.viewport.repaint()
         several = len(views.view_widgets) > 1
-        image = views.grab().toImage() if several else views.first.viewport.grabFramebuffer()
+        image = (views if several else views.first.viewport).grab().toImage()
         QApplication.clipboard().setImage(image)
         views.shows_manipulators = shown
 

@@ -120,7 +120,7 @@ class ViewGrid(QWidget):
         controller.quality = self._quality
         controller.shows_manipulators = self._shows_manipulators
         for name, on in self._shown.items():
-            view_widget.show_annotations(name, on)
+            view_widget.annotations.show(name, on)
         view_widget.ray_mark.show(self._ray_mark)
         viewport.camera_moved.connect(self._on_camera_moved)
         viewport.pressed.connect(lambda: self._on_pressed(view_widget))
@@ -342,7 +342,7 @@ class ViewGrid(QWidget):
         """Switch box, axes, orientation marker, colour bar or cross-hair in all views."""
         self._shown[name] = on
         for view_widget in self.view_widgets:
-            view_widget.show_annotations(name, on)
+            view_widget.annotations.show(name, on)
 
     def show_ray_mark(self, place: tuple[float, float] | None) -> None:
         """Mark the pixel of the ray inspector in all views; fractions from the lower left, None for none."""

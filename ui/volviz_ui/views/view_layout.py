@@ -50,6 +50,11 @@ class ViewLayout(QObject):
         return len(self._view_widgets) > 1 and self._comparison.mode != "side_by_side"
 
     @property
+    def wiped(self) -> bool:
+        """Whether one of the two is seen at the left of a divider, the other one at its right."""
+        return self.overlaid and self._comparison.mode == "wipe"
+
+    @property
     def pair(self) -> tuple[ViewWidget, ViewWidget] | None:
         """The compared views, A and B; None when there is one view only."""
         if len(self._view_widgets) < 2:

@@ -6,12 +6,11 @@ from PySide6.QtCore import QObject, QPoint, QRect
 from PySide6.QtGui import QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QWidget
 
-from volviz.custom_gl.scene_techniques import faced
+from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.model.store import Store
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.views.annotations import Annotations
-from volviz_ui.views.cross_hair import CrossHair
 from volviz_ui.views.header import ViewHeader
 from volviz_ui.views.ray_mark import RayMark
 from volviz_ui.views.view_controller import ViewController
@@ -60,10 +59,9 @@ class ViewWidget(QObject):
         self.frame = ViewFrame(parent)
         self.header = ViewHeader(store, view, parent)
         self.viewport = Viewport(store, view, self.frame)
-        self.annotations = Annotations(self.viewport)
         self.ray_mark = RayMark(self.viewport)
-        self.cross_hair = CrossHair(self.viewport, view)
         self.controller = ViewController(store, documents, self.viewport, self, view=view)
+        self.annotations = Annotations(self.viewport, view, self._resolved)
         self.controller.status_changed.connect(self.header.show_status)
 
     def place(self, image: QRect, *, visible: QRect | None = None, border: int = 0) -> None:
@@ -83,19 +81,14 @@ class ViewWidget(QObject):
         inner = image.adjusted(border, border, -border, -border)
         self.viewport.setGeometry(QRect(inner.topLeft() - seen.topLeft() + QPoint(0, 0), inner.size()))
 
-    def show_annotations(self, name: str, on: bool) -> None:
-        """Switch box, axes, orientation marker, colour bar or cross-hair."""
-        if name == "cross_hair":
-            self.cross_hair.show(on)
-        else:
-            self.annotations.show(name, on)
+    def _resolved(self) -> ResolvedSpec | None:
+        handle = self.controller.handle
+        return None if handle is None else handle.resolved
 
     def show_change(self, old: LoadedScene, new: LoadedScene) -> None:
         """Show what has changed."""
         self.controller.show_change(old, new)
         self.annotations.show_change(old, new)
-        self.annotations.has_letters = faced(new.scene, self.view) is not None
-        self.cross_hair.show_change(new)
 
     def set_active(self, active: bool) -> None:
         """Show that panels and keys act on this view."""

@@ -86,6 +86,8 @@ class Viewport(QtInteractor):
     """The left button was pressed and let go without a move between."""
     pointer_left = Signal()
     double_clicked = Signal(QPointF)
+    render_asked = Signal()
+    """An image was asked for: camera or scene may be others."""
     frame_drawn = Signal()
     unseen_drawn = Signal(QImage)
     """The image of a viewport that is covered, each time that it was drawn."""
@@ -127,6 +129,7 @@ class Viewport(QtInteractor):
         """Ask for an image; several requests before the next turn of the event loop are one."""
         if not getattr(self, "_closed", False):
             self.awaits_frame = True
+            self.render_asked.emit()
             if self._covered:
                 self._unseen.start()
             else:

@@ -17,8 +17,8 @@ class Docks(QObject):
     """The docks by name, and the places where they belong.
 
     "data", "technique" and "transfer" are there from the beginning: left, right, and at the foot over the whole width.
-    "ray", "compare" and "crosscheck" are hidden until somebody asks for them: beside the transfer function, in tabs
-    with the data, in tabs with the transfer function.
+    "ray", "compare", "crosscheck" and "movie" are hidden until somebody asks for them: beside the transfer function, in
+    tabs with the data, with the transfer function, and with the data.
     """
 
     def __init__(self, window: QMainWindow) -> None:
@@ -103,7 +103,7 @@ class Docks(QObject):
         self["ray"].setFloating(False)
         window.splitDockWidget(self["transfer"], self["ray"], Qt.Orientation.Horizontal)
         self["ray"].hide()
-        for name, place in (("crosscheck", "transfer"), ("compare", "data")):
+        for name, place in (("crosscheck", "transfer"), ("compare", "data"), ("movie", "data")):
             self[name].setFloating(False)
             window.tabifyDockWidget(self[place], self[name])
             self[name].hide()

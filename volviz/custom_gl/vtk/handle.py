@@ -65,6 +65,11 @@ class VolumeHandle(ViewRenderer):
         return self._shown.spec
 
     @property
+    def resolved(self) -> ResolvedSpec:
+        """The same with every choice made."""
+        return self._shown
+
+    @property
     def volume(self) -> Volume:
         """The data shown, where `Plotter.set_scale` has put them."""
         return self._shown.volume

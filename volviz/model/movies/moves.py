@@ -89,6 +89,7 @@ class Turn:
     """
 
     kind = "turn"
+    is_place = False
     degrees: float = 360.0
     axis: str | Vector = "up"
 
@@ -118,6 +119,7 @@ class Swing:
     """
 
     kind = "swing"
+    is_place = False
     degrees: float = 60.0
     axis: str | Vector = "up"
     closes = True
@@ -142,6 +144,7 @@ class Zoom:
     """
 
     kind = "zoom"
+    is_place = False
     factor: float = 2.0
 
     def __post_init__(self) -> None:
@@ -180,6 +183,7 @@ class Cut:
     """
 
     kind = "cut"
+    is_place = False
     toward: str | Vector = "right"
     begin: float = 0.0
     end: float = 1.0
@@ -217,6 +221,7 @@ class Play:
     """
 
     kind = "play"
+    is_place = False
     first: int | None = None
     last: int | None = None
     closes = False
@@ -252,6 +257,7 @@ class Vary:
     """
 
     kind = "vary"
+    is_place = False
     name: str
     end: float
     begin: float | None = None
@@ -294,6 +300,7 @@ class Fade:
     """
 
     kind = "fade"
+    is_place = False
     layer: int
     appears: bool = True
     closes = False
@@ -324,6 +331,7 @@ class Scroll:
     """
 
     kind = "scroll"
+    is_place = False
     toward: str | Vector = "z"
     closes = False
 
@@ -350,6 +358,7 @@ class KeyFrame:
     """
 
     kind = "key frame"
+    is_place = True
     scene: Scene
     name: str = ""
     closes = False

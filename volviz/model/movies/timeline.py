@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import replace
 from itertools import accumulate
 
 from volviz.errors import InputError
@@ -11,6 +10,9 @@ from volviz.model.movie import Movie, Step, Surroundings
 from volviz.model.movies.camera_path import CameraPath
 from volviz.model.movies.moves import KeyFrame
 from volviz.model.scene import Scene
+
+#: What is said of a movie in which nothing happens.
+NOTHING = "nothing happens in this movie yet; add a move, or at least two key frames."
 
 
 class Timeline:
@@ -30,18 +32,20 @@ class Timeline:
 
     def __init__(self, scene: Scene, about: Surroundings) -> None:
         self.movie: Movie[Scene] = scene.movie
-        if not self.movie.steps:
-            raise InputError("the movie has no steps yet; add a move or a key frame.")
+        self._steps = self.movie.passing
+        if not self._steps:
+            raise InputError(NOTHING)
         self._about = about
-        self._ends = list(accumulate(step.seconds for step in self.movie.steps))
-        self._starts = [scene]
-        for step in self.movie.steps:
+        self._ends = list(accumulate(step.seconds for step in self._steps))
+        place = self.movie.place
+        self._starts = [scene if place is None else place.at(scene, 1.0, about)]
+        for step in self._steps:
             self._starts.append(self._passed(step, self._starts[-1], 1.0))
         self._paths = dict(self._camera_paths())
 
     def at(self, seconds: float) -> Scene:
         """The scene at a moment from 0 to the length of the movie."""
-        steps = self.movie.steps
+        steps = self._steps
         number = min(bisect_right(self._ends, seconds), len(steps) - 1)
         begin = self._ends[number] - steps[number].seconds
         scene = self._passed(steps[number], self._starts[number], (seconds - begin) / steps[number].seconds)
@@ -62,7 +66,7 @@ class Timeline:
         """For each step of a run of key frames that are not stopped at, the path through all of them."""
         found: list[tuple[int, CameraPath]] = []
         run: list[int] = []
-        for number, step in enumerate((*self.movie.steps, None)):
+        for number, step in enumerate((*self._steps, None)):
             if (
                 step is not None
                 and step.easing == "path"
@@ -73,7 +77,7 @@ class Timeline:
             if len(run) > 1:
                 cameras = [self._starts[n].view.camera for n in (*run, run[-1] + 1)]
                 moments = [
-                    self._ends[run[0]] - self.movie.steps[run[0]].seconds,
+                    self._ends[run[0]] - self._steps[run[0]].seconds,
                     *(self._ends[n] for n in run),
                 ]
                 known = [camera for camera in cameras if camera is not None]
@@ -81,8 +85,3 @@ class Timeline:
                     found += [(n, CameraPath(known, moments)) for n in run]
             run = []
         return found
-
-
-def with_movie(scene: Scene, movie: Movie[Scene]) -> Scene:
-    """The scene with another movie."""
-    return replace(scene, movie=movie)

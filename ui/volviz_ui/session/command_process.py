@@ -1,4 +1,4 @@
-"""``volviz compare`` in a process of its own: the window stays alive, and cancelling is certain."""
+"""A command of ``volviz`` in a process of its own: the window stays alive, and cancelling is certain."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from volviz.commands.progress import LINES, PROGRESS
 END_MS = 3000
 
 
-class CompareProcess(QObject):
-    """Runs one comparison at a time."""
+class CommandProcess(QObject):
+    """Runs one command at a time."""
 
     progressed = Signal(float, str)
     finished = Signal()
@@ -28,7 +28,7 @@ class CompareProcess(QObject):
 
     @property
     def is_running(self) -> bool:
-        """Whether a comparison is under way."""
+        """Whether a command is under way."""
         return self._process is not None
 
     def start(self, arguments: list[str], folder: Path) -> None:
@@ -75,10 +75,10 @@ class CompareProcess(QObject):
             self.finished.emit()
         else:
             said = (self._unread.strip() or self._errors).removeprefix("volviz: ")
-            self.failed.emit(said or self.tr("The comparison ended without saying why."))
+            self.failed.emit(said or self.tr("The work ended without saying why."))
 
     def _on_error(self, error: QProcess.ProcessError) -> None:
         if error == QProcess.ProcessError.FailedToStart and self._process is not None:
             process, self._process = self._process, None
             process.deleteLater()
-            self.failed.emit(self.tr("The comparison could not be started."))
+            self.failed.emit(self.tr("The work could not be started."))
