@@ -20,7 +20,7 @@ from volviz.custom_gl.resolve import resolve
 from volviz.reference.isosurface import SurfaceImage, reference_isosurface
 from volviz.reference.sampling import Shading
 
-MAX_ERROR, MEAN_ERROR = 2 / 255, 0.5 / 255
+MAX_ERROR = 2 / 255
 
 
 def layer(of: volviz.Volume, value: float, color: Any, **values: Any) -> ImageLayer:
@@ -63,7 +63,7 @@ def exact(layers: Any, of: volviz.Volume, view: volviz.Camera, **surfaces: Any) 
 
 
 def test_of_several_lattices_the_nearest_surface_is_seen() -> None:
-    volumes, values = (volume(np.float32), turned(4), turned(5)), (0.5, 0.6, 0.4)
+    volumes, values = (volume(np.float32), turned(4), turned(5)), (0.7, 0.6, 0.4)
     colors = ((1.0, 0.2, 0.1), (0.1, 0.9, 0.2), (0.2, 0.3, 1.0))
     layers = [layer(of, value, color) for of, value, color in zip(volumes, values, colors, strict=True)]
     view = camera(volumes[0])
@@ -74,10 +74,8 @@ def test_of_several_lattices_the_nearest_surface_is_seen() -> None:
     ]
     nearest = np.argmin([found.depth for found in each], axis=0)
     oracle = np.choose(nearest[..., None], [found.color for found in each])
-    assert all(np.mean((nearest == n) & (oracle[..., 3] > 0)) > 0.02 for n in range(3))
-    difference = np.abs(ours - np.clip(oracle, 0.0, None)).max(axis=-1)
-    # rays along a rim, or along a line where two surfaces cut one another
-    assert np.quantile(difference, 0.99) <= MAX_ERROR
+    assert all(np.mean((nearest == n) & (oracle[..., 3] > 0)) > 0.01 for n in range(3))
+    assert np.abs(ours - np.clip(oracle, 0.0, None)).max() <= MAX_ERROR
     assert np.array_equal(ours, drawn(layers[::-1], view, step=0.1))
 
 
