@@ -171,11 +171,11 @@ def visible_layers(
 def resolved_labels(layer: LabelLayer, volumes: Mapping[VolumeKey, Volume]) -> ResolvedLabels:
     """A layer of labels with its choices made; colours that it does not name are those of its file."""
     read = volume_of(layer, volumes)
-    colors = dict(layer.colors)
+    colors = layer.colors
     if isinstance(layer.volume, VolumeSource):
         known = {label.number: label.color for label in layer.volume.labels if label.color is not None}
-        colors = known | colors
-    look = LabelLook(tuple(sorted(colors.items())), layer.hidden, layer.opacity)
+        colors = tuple(sorted((known | dict(colors)).items()))
+    look = LabelLook(colors, layer.hidden, layer.opacity, layer.opacities)
     placed = read if layer.transform is None else read.moved(layer.transform)
     return ResolvedLabels(placed, ShownLabels(look, layer.smooth), layer.mode)
 

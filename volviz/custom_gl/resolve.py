@@ -309,7 +309,8 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
     return ResolvedSpec(
         spec=spec,
         layers=tuple(sorted(layers, key=lambda layer: layer.place_in_order)),
-        labels=tuple(sorted(labels, key=lambda layer: layer.place_in_order)),
+        # one alone need not be written out for its place: it may have a hundred thousand labels
+        labels=tuple(sorted(labels, key=lambda layer: layer.place_in_order) if len(labels) > 1 else labels),
         volume=volume,
         info=info,
         settings=settings,

@@ -15,14 +15,14 @@ from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
 from volviz.model.looks.look import Look
 from volviz.model.movie import Surroundings
-from volviz.model.parameters import Parameter, make_settings
+from volviz.model.parameters import Parameter, make_settings, setting_values
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Layout, Scene, SceneView
 from volviz.model.slice_plane import NAMED_PLANES
 from volviz.model.store import Store
 from volviz.model.surface_values import DistanceColoring
 from volviz.model.transfer.first_look import grey_window
-from volviz.model.view_edits import with_comparison
+from volviz.model.view_edits import with_comparison, with_views
 from volviz.volume_data.vectors import Vector
 from volviz.volume_data.volume import Volume
 
@@ -84,6 +84,24 @@ def with_slices(scene: Scene, layout: Layout) -> Scene:
     ]  # fmt: skip
     views = (first, *(replace(view, technique=info.id) for view in slices))
     return replace(with_comparison(scene, mode="side_by_side"), views=views, active=0, layout=layout)
+
+
+def with_various_views(scene: Scene, count: int) -> Scene:
+    """The scene with so many views; where there are more than two, each new one has a technique that no other has.
+
+    They come in the order of the list, after that of the active view.
+    """
+    there = len(scene.views)
+    changed = with_views(scene, count)
+    if count <= 2:
+        return changed
+    order = [info.id for info in drawing_techniques() if info.facing is None]
+    used = [view.technique for view in changed.views[: max(there, 1)]]
+    start = order.index(used[-1]) + 1 if used[-1] in order else 0
+    free = [ident for ident in (*order[start:], *order[:start]) if ident not in used]
+    for number, ident in zip(range(there, count), free, strict=False):
+        changed = changed.with_view(number, technique=ident)
+    return changed
 
 
 def with_window_moved(scene: Scene, volume: Volume, view: int, wider: float, higher: float) -> Scene:
@@ -168,11 +186,39 @@ def with_technique(
     drawn = replace(scene.view_at(view), technique=info.id)
     if values is not None:
         drawn = drawn.with_settings(info.id, make_settings(info.settings, dict(values), owner=info.id))
-    changed = scene.with_view(view, technique=drawn.technique, settings=drawn.settings)
-    settings = current_settings(changed, view)
+    return _lit_from_above(scene.with_view(view, technique=drawn.technique, settings=drawn.settings), view)
+
+
+def with_lighting(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with other settings of the technique of the active view, where that can be lit; else as it is.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping
+        Settings by name; the technique leaves out those that it does not have.
+
+    Raises
+    ------
+    VolvizError
+        A value is outside of its limits.
+    """
+    info, settings = current_technique(scene), current_settings(scene)
+    present = setting_values(settings)
+    # where the light can be dragged, matter is lit by more than its gradient
+    if "shading" not in present or "light" in info.manipulators:
+        return scene
+    known = {name: value for name, value in values.items() if name in present}
+    changed = scene.view.with_settings(info.id, make_settings(info.settings, present | known, owner=info.id))
+    return _lit_from_above(scene.with_view(settings=changed.settings))
+
+
+def _lit_from_above(scene: Scene, view: int | None = None) -> Scene:
+    """The scene with its light at the upper left, where a view is lit and nobody has touched the light."""
+    settings = current_settings(scene, view)
     # a technique whose settings have no switch for it is always lit where it has an ambient light
     lit = getattr(settings, "shading", hasattr(settings, "ambient"))
-    return replace(changed, light=Light(headlight=False)) if lit and scene.light == Light() else changed
+    return replace(scene, light=Light(headlight=False)) if lit and scene.light == Light() else scene
 
 
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:

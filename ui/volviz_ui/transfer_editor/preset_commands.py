@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +23,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz.custom_gl.scene_techniques import with_technique
+from volviz.custom_gl.scene_techniques import with_lighting, with_technique
 from volviz.errors import VolvizError
+from volviz.model.scene import Scene
 from volviz.model.transfer.channels import simplified, with_ramp
 from volviz.model.transfer.formats import colormap_colors, read_preset_file, write_transfer_function
 from volviz.model.transfer.presets import Preset, preset_for
@@ -88,6 +89,8 @@ class PresetCommands(QObject):
 
     failed = Signal(object)
     """An error to show: a `VolvizError`."""
+    presets_changed = Signal()
+    """The user's presets are others now."""
 
     def __init__(self, model: EditorModel, own: OwnPresets, widget: QWidget) -> None:
         super().__init__(widget)
@@ -96,26 +99,27 @@ class PresetCommands(QObject):
         self._widget = widget
 
     def take(self, preset: Preset) -> None:
-        """Put a preset on the data; its technique and settings too, in one step of the history."""
+        """Put a preset on the data; its technique, settings and light too, in one step of the history."""
         model = self._model
         volume = model.volume
         function = preset.transfer_function if volume is None else preset_for(preset, volume)
         label = self.tr("Preset %1").replace("%1", preset.label)
-        if preset.technique is None:
-            model.apply(function, label, ())
-            return
         technique, values = preset.technique, preset.settings
+
+        def taken(scene: Scene) -> Scene:
+            changed = scene.with_layer(transfer_function=function)
+            if technique is not None:
+                return with_technique(changed, technique, values)
+            return changed if values is None else with_lighting(changed, values)
+
         try:
-            with_technique(model.store.scene, technique, values)
+            taken(model.store.scene)
         except VolvizError as error:
             self.failed.emit(error)
             model.apply(function, label, ())
             return
         model.select(())
-        model.store.update(
-            lambda scene: with_technique(scene.with_layer(transfer_function=function), technique, values),
-            label=label,
-        )
+        model.store.update(taken, label=label)
 
     def save(self) -> None:
         """Ask for a name and save the present function."""
@@ -142,28 +146,43 @@ class PresetCommands(QObject):
             technique=view.technique if with_technique else None,
             settings=_plain(settings) if with_technique and settings is not None else None,
         )  # fmt: skip
-        self._try(lambda: self._own.save(preset, label))
+
+        def save() -> None:
+            stored = self._own.save(preset, label)
+            # the function is that preset from now on
+            self._model.apply(replace(function, name=stored.label), self.tr("Save preset"), ())
+            self.presets_changed.emit()
+
+        self._try(save)
 
     def rename(self) -> None:
         """Ask which of the own presets gets which name."""
         label = self._ask_which(self.tr("Rename preset"))
-        if label is None:
-            return
+        if label is not None:
+            self.rename_one(label)
+
+    def rename_one(self, label: str) -> None:
+        """Ask for another name of an own preset."""
         new, ok = QInputDialog.getText(
             self._widget, self.tr("Rename preset"), self.tr("New name"), QLineEdit.EchoMode.Normal, label
         )
         if ok and new.strip() and new != label:
             self._try(lambda: self._own.rename(label, new))
+            self.presets_changed.emit()
 
     def delete(self) -> None:
         """Ask which of the own presets goes."""
         label = self._ask_which(self.tr("Delete preset"))
-        if label is None:
-            return
+        if label is not None:
+            self.delete_one(label)
+
+    def delete_one(self, label: str) -> None:
+        """Ask whether an own preset is to go."""
         question = self.tr("Delete the preset “%1” for good?").replace("%1", label)
         answer = QMessageBox.question(self._widget, self.tr("Delete preset"), question)
         if answer == QMessageBox.StandardButton.Yes:
             self._try(lambda: self._own.delete(label))
+            self.presets_changed.emit()
 
     def import_file(self) -> None:
         """Ask for a file of any known kind."""

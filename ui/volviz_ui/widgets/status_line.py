@@ -26,7 +26,8 @@ class StatusLine(QStatusBar):
         self._status_timer.setInterval(UNFINISHED_MS)
         self._status_timer.timeout.connect(self._write_status)
         self.pointer = self._field(
-            "(0000, 0000, 0000)  −00000.00 unit", self.tr("Voxel under the pointer and its value")
+            "(0000, 0000, 0000)  −00000.00 unit",
+            self.tr("Voxel under the pointer, its value, and its layer or label"),
         )
         self.drawing = self._field(
             self.tr("Marching tetrahedra, full quality 000 %"), self.tr("Technique, and resolution now shown")
@@ -38,13 +39,20 @@ class StatusLine(QStatusBar):
             self.addWidget(field)
         self.addPermanentWidget(self.volume)
 
-    def show_picked(self, voxel: tuple[int, int, int] | None, value: float | None, unit: str) -> None:
-        """Show the voxel under the pointer and its value."""
+    def show_picked(
+        self, voxel: tuple[int, int, int] | None, value: float | None, unit: str, layer: str = ""
+    ) -> None:
+        """Show the voxel under the pointer, its value, and of several layers or labels which one it is."""
         if voxel is None or value is None:
             self.pointer.setText("")
             return
         i, j, k = voxel
-        self.pointer.setText(f"({i}, {j}, {k})   {value:.6g} {unit}".rstrip())
+        words = f"({i}, {j}, {k})   {value:.6g} {unit}".rstrip()
+        if layer:
+            words = self.fontMetrics().elidedText(
+                f"{words}   {layer}", Qt.TextElideMode.ElideRight, self.pointer.width() - 16
+            )
+        self.pointer.setText(words)
 
     def show_technique(self, label: str) -> None:
         """Show how the volume is drawn."""
