@@ -32,6 +32,9 @@ from volviz.model.light import Light, default_position
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.boxes import between_levels
+from volviz.volume_data.finer_levels import levels_behind
+from volviz.volume_data.large_volume import at_finest
 from volviz.volume_data.references import VolumeKey
 from volviz.volume_data.volume import Volume
 
@@ -157,12 +160,22 @@ class ResolvedSpec:
     def unit_distance_of(self, volume: Volume) -> float:
         """The same for the function of another layer."""
         chosen = self.common.opacity_unit_distance
-        return volume.mean_spacing if chosen is None else float(chosen)
+        if chosen is None:
+            # of the finest level, or the picture would depend on how much memory there is
+            finer = levels_behind(volume)
+            return volume.mean_spacing if finer is None else sum(finer.levels[0].spacing) / 3.0
+        return float(chosen)
 
     @property
     def volumes(self) -> tuple[Volume, ...]:
         """The data of all layers that are drawn; rays are given in texture coordinates of the first one."""
         return tuple(layer.volume for layer in self.all_layers)
+
+    @cached_property
+    def drawn_volume(self) -> Volume:
+        """On whose lattice rays are given: of the first volume, or of its finest level where that is read in bricks."""
+        first = self.volumes[0]
+        return at_finest(first) if self.info.draws_bricks and not self.is_joint else first
 
     @property
     def all_layers(self) -> tuple[ResolvedLayer | ResolvedLabels, ...]:
@@ -211,7 +224,13 @@ class ResolvedSpec:
 
     @cached_property
     def drawn_crop(self) -> Crop:
-        """Box around what is shown, in continuous voxel indices of the first volume that is drawn."""
+        """Box around what is shown, in continuous voxel indices of `drawn_volume`."""
+        finest, finer = self.drawn_volume, levels_behind(self.volumes[0])
+        if finer is not None and finest is not self.volumes[0]:
+            if self.clipping.crop is None:
+                return Clipping().crop_within(finest.dimensions)
+            extent = between_levels(self.crop, finer.levels[finer.held_level], finer.levels[0])
+            return Clipping(extent).crop_within(finest.dimensions)
         return self.crop if self.is_one_lattice else joint_crop(self.volumes)
 
     @cached_property
@@ -224,7 +243,7 @@ class ResolvedSpec:
     @cached_property
     def box_corners(self) -> npt.NDArray[np.float64]:
         """World corners of the box around what is shown, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
-        first = self.volumes[0]
+        first = self.drawn_volume
         return crop_corners(first.index_to_world, self.drawn_crop, first.dimensions)
 
     @property

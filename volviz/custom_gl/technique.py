@@ -105,6 +105,9 @@ class TechniqueInfo:
         It is an oracle itself: its frame times say nothing, and everything is compared with it.
     draws_layers : bool
         It draws several layers in one ray integral (`Frame.layers`).
+    draws_bricks : bool
+        It reads scalars by the hook ``fetch`` alone, so that they may come from bricks of several levels
+        (`volviz.custom_gl.gpu.brick_resources`).
     samples_rays : bool
         It gathers samples along rays, or in slices across them, as `volviz.reference.ray_profile` does with its
         settings.
@@ -139,6 +142,7 @@ class TechniqueInfo:
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False
     draws_layers: bool = False
+    draws_bricks: bool = False
     samples_rays: bool = False
     view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 

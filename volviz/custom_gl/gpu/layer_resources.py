@@ -170,6 +170,7 @@ class LayerResources:
     """
 
     coarsest = 0
+    voxel_scale = 1.0
 
     def __init__(self, gpu: Gpu, images: Sequence[Volume], labels: Sequence[Volume]) -> None:
         self.gpu = gpu

@@ -123,6 +123,11 @@ class VolumeResources:
         return empty_scalars(self.gpu, texels, 1, self.volume.name)
 
     @property
+    def voxel_scale(self) -> float:
+        """Voxels of the volume that one of the finest level drawn is long: 1 unless finer ones are not there yet."""
+        return 1.0
+
+    @property
     def complete(self) -> bool:
         """Whether all scalars are on the GPU."""
         return self._pack is not None or self._uploaded >= len(self._levels[0][0].data)
