@@ -353,7 +353,7 @@ class MainWindow(QMainWindow):
         self.messages.status_line.show_technique(label)
 
     def _on_status_changed(self, view: int, status: Any) -> None:
-        if status.complete:
+        if status.complete or (status.bricks is not None and status.resolution >= 1):
             self.gate.open()
         if view == self.views.active.view:
             self.messages.status_line.show_status(status)
