@@ -226,7 +226,7 @@ def volume_of(layer: Layer, volumes: Mapping[VolumeKey, Volume] = _NOTHING_READ)
     """
     volume = layer.volume
     if isinstance(volume, VolumeSource):
-        return volume.read(volume.default_level, time=layer.time, channel=layer.channel)
+        return volume.read_fitting(layer.time, layer.channel)
     if isinstance(volume, Volume):
         if layer.time or layer.channel:
             raise InputError(

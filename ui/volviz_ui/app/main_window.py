@@ -103,7 +103,7 @@ class MainWindow(QMainWindow):
         # threads of their own: compiling takes seconds, and no file shall wait for it
         self.compilers = Workers(self)
         self.compilers.gate = self.gate
-        self.documents = Documents(self.store, self.workers, self)
+        self.documents = Documents(self.store, self.workers, self, corrections=self.preferences.correction)
         self.setWindowIcon(app_icon())
         self.setWindowTitle("VolViz[*]")
         self.setAcceptDrops(True)
@@ -272,6 +272,7 @@ class MainWindow(QMainWindow):
         section.cancel_requested.connect(self.surface.cancel)
         section.export_requested.connect(self.file_commands.export_mesh)
         self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
+        self.data_panel.correction_requested.connect(self.file_commands.show_understood)
         self.data_panel.layers.labels_requested.connect(self._on_labels_requested)
         self.player.preparation = self.views.preparations
         self.player.failed.connect(self._on_time_failed)
@@ -352,7 +353,7 @@ class MainWindow(QMainWindow):
         self.messages.status_line.show_technique(label)
 
     def _on_status_changed(self, view: int, status: Any) -> None:
-        if status.complete:
+        if status.complete or (status.bricks is not None and status.resolution >= 1):
             self.gate.open()
         if view == self.views.active.view:
             self.messages.status_line.show_status(status)
