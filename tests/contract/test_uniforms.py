@@ -186,7 +186,8 @@ def draw(technique: str) -> None:
             numbers = volviz.Volume((of.array > of.array.mean()).astype(np.uint8))
             labels = volviz.LabelLayer(numbers)
             modes = [{"mode": mode} for mode, _ in MODES] if "mode" in names else [{}]
-            several = [((*layers, labels), {"shading": True} | mode) for mode in modes]
+            lit: dict[str, Any] = {"shading": True} if "shading" in names else {}
+            several = [((*layers, labels), lit | mode) for mode in modes]
             for shown_layers, values in [*several, ((labels,), {})]:
                 handle.show(spec_of(shown_layers, technique, **values))
                 window.render()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -96,6 +97,31 @@ class ResolvedLabels:
             id(volume),
             repr(self.shown),
         )
+
+
+def seen_from(function: TransferFunction, value_range: tuple[float, float]) -> float:
+    """The lowest value at which a function reaches half of its largest opacity, in data units: where matter begins.
+
+    Parameters
+    ----------
+    function : TransferFunction
+        In data units; of regions over value and gradient the curve counts.
+    value_range : tuple of 2 floats
+        Within which it is looked for.
+
+    Returns
+    -------
+    float
+        Infinity where nothing is visible.
+    """
+    low, high = function.table_range(value_range)
+    table = function.bake((low, high), 4096)[:, 3].astype(np.float64)
+    half = 0.5 * float(table.max())
+    if half == 0.0:
+        return math.inf
+    i = int(np.argmax(table >= half))
+    part = float(i) if i == 0 else i - 1 + (half - table[i - 1]) / (table[i] - table[i - 1])
+    return float(low + (high - low) * part / (len(table) - 1))
 
 
 @lru_cache(maxsize=64)

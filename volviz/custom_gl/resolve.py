@@ -17,6 +17,7 @@ from volviz.custom_gl.layer_set import (
     ResolvedLayer,
     resolved_labels,
     resolved_layer,
+    seen_from,
     visible_layers,
 )
 from volviz.custom_gl.registry import technique as technique_info
@@ -27,7 +28,7 @@ from volviz.kernels.slices import crop_corners
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping, Crop, Plane
 from volviz.model.layers import LabelLayer
-from volviz.model.light import Light, default_position
+from volviz.model.light import Light, default_position, position_beside_eye
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
@@ -85,8 +86,11 @@ class ResolvedSpec:
         Instance of its settings class.
     common : CommonSettings
         The same as the parts that all techniques share read it.
+    bounds : tuple of 6 floats
+        World bounds of what the light shines on.
     light_position : tuple of 3 floats
-        World position of the placed light (also while the headlight is on).
+        World position of the placed light (also while the headlight is on); `light_seen_from` knows the one beside
+        the eye.
     crop : tuple of 6 floats
         Box that is shown, in continuous voxel indices (i0, i1, j0, j1, k0, k1), within the volume.
     transfer_function : TransferFunction
@@ -105,6 +109,7 @@ class ResolvedSpec:
     info: TechniqueInfo
     settings: Any
     common: CommonSettings
+    bounds: tuple[float, float, float, float, float, float]
     light_position: Vector
     crop: Crop
     transfer_function: TransferFunction
@@ -121,10 +126,41 @@ class ResolvedSpec:
         """Crop box and clip planes as they were asked for."""
         return self.spec.clipping
 
+    def light_seen_from(self, world_to_eye: npt.NDArray[np.float64]) -> Vector:
+        """World position of the light, where it is no headlight, for a view matrix, shape (4, 4)."""
+        if self.light.beside_eye:
+            return position_beside_eye(self.bounds, world_to_eye)
+        return self.light_position
+
     @cached_property
     def isovalues(self) -> tuple[float, ...]:
-        """Values of the isosurfaces that the technique shows, in data units; empty where it shows none."""
+        """Values of the isosurfaces that the technique shows, in data units; empty where it shows none.
+
+        Of several layers they are those of the first one that is seen.
+        """
+        if self.is_joint and self.info.isovalue_setting:
+            return next((self.isovalues_of(layer) for layer in self.layers if self.leads(layer)), ())
         return self.info.isovalues(self.settings, self.volume)
+
+    def leads(self, layer: ResolvedLayer | ResolvedLabels) -> bool:
+        """Whether a layer is the first one that is seen, which settings of isosurfaces and the crop box mean."""
+        return (
+            isinstance(layer, ResolvedLayer)
+            and layer.mode == "add"
+            and layer.volume is self.volume
+            and layer.transfer_function is self.transfer_function
+        )
+
+    def isovalues_of(self, layer: ResolvedLayer | ResolvedLabels) -> tuple[float, ...]:
+        """Values of the isosurfaces of one of several layers, in data units.
+
+        Those that are set belong to the first one; the others show where their functions begin to be seen.
+        """
+        if not self.info.isovalue_setting or not isinstance(layer, ResolvedLayer):
+            return ()
+        if self.leads(layer) and getattr(self.settings, self.info.isovalue_setting) is not None:
+            return self.info.isovalues(self.settings, layer.volume)
+        return (seen_from(layer.transfer_function, layer.volume.range),)
 
     @property
     def unit_distance(self) -> float:
@@ -308,6 +344,7 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
         info=info,
         settings=settings,
         common=common,
+        bounds=(x0, x1, y0, y1, z0, z1),
         light_position=spec.light.position or default_position((x0, x1, y0, y1, z0, z1)),
         crop=spec.clipping.crop_within(volume.dimensions),
         transfer_function=ResolvedLabels.FUNCTION if first is None else first.transfer_function,

@@ -311,6 +311,8 @@ class Frame:
         How the volume joins other layers (`volviz.ImageLayer`).
     labels : ShownLabels or None
         Of a layer of labels, how it is drawn.
+    leads : bool
+        Of one of several layers, whether it is the first that is seen, which settings of isosurfaces mean.
     joined_to : Frame or None
         Of one of several layers, the frame of all: it says the step and from where surfaces are seen.
     """
@@ -345,6 +347,7 @@ class Frame:
     joint: LayerResources | None = None
     mode: LayerMode = "add"
     labels: ShownLabels | None = None
+    leads: bool = False
     joined_to: Frame | None = None
 
     @property

@@ -44,4 +44,5 @@ TECHNIQUE = TechniqueInfo(
     order=40,
     study=bisections,
     oracle=isosurfaces,
+    draws_layers=True,
 )
