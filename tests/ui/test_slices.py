@@ -18,6 +18,7 @@ from volviz.custom_gl.scene_techniques import current_settings, faced, slice_tec
 from volviz.model.session import load_session, save_session
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.session.script import script_of
+from volviz_ui.views.camera_moves import point_on_plane, zoomed_at
 from volviz_ui.views.viewport import Viewport
 
 Wait = Callable[..., None]
@@ -119,6 +120,13 @@ def test_the_wheel_goes_through_the_slices_and_zooms_with_ctrl(window: MainWindo
     turn_wheel(sagittal, 2, Qt.KeyboardModifier.ControlModifier)
     assert sagittal.view_camera.scale < scale
     assert window.store.scene.cursor == cursor
+    # what lies under the pointer stays there
+    size, corner = (sagittal.width(), sagittal.height()), (20.0, 30.0)
+    near = zoomed_at(sagittal.view_camera, 1.5, corner, size)
+    through = volume.center
+    assert point_on_plane(near, corner, size, through) == pytest.approx(
+        point_on_plane(sagittal.view_camera, corner, size, through)
+    )
     wait_for(lambda: not window.store.is_interacting)
     window.commands["view.slices.centre"].trigger()
     assert window.store.scene.cursor is None

@@ -42,6 +42,13 @@ def zoomed(camera: Camera, factor: float) -> Camera:
     return replace(camera, position=_vector(np.add(camera.focal_point, offset)))
 
 
+def zoomed_at(camera: Camera, factor: float, place: tuple[float, float], size: tuple[int, int]) -> Camera:
+    """The camera nearer by a factor; what lies behind a place (x right, y down, in pixels) stays there."""
+    share = 1.0 - 1.0 / factor
+    dx, dy = place[0] - size[0] / 2, place[1] - size[1] / 2
+    return zoomed(panned(camera, -share * dx, -share * dy, size), factor)
+
+
 def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camera:
     """The camera after the scene was pushed by (dx right, dy down) pixels; the focal point follows."""
     per_pixel = 2 * camera.scale / max(size[1], 1)

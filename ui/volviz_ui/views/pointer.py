@@ -8,6 +8,8 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, QTimer
 
 from volviz.custom_gl.picking import Picked
+from volviz.measure.results import length_unit
+from volviz.model.layers import LabelLayer
 from volviz.model.manipulators import as_vector
 from volviz.model.store import Store
 from volviz_ui.session.documents import Documents
@@ -98,6 +100,26 @@ class Pointer(QObject):
             )
         )
 
+    def _values(self, picked: Picked) -> str:
+        """The values of all visible layers at a place, with their names; empty where there is one layer only."""
+        shown = self._documents.shown
+        seen = [layer for layer in shown.scene.layers if layer.visible and layer.key in shown.volumes]
+        if len(seen) < 2:
+            return ""
+        words = []
+        for layer in seen:
+            volume = shown.volumes[layer.key]
+            placed = volume if layer.transform is None else volume.moved(layer.transform)
+            found = placed.value_at(picked.position)
+            if found is None:
+                continue
+            if isinstance(layer, LabelLayer):
+                told = dict(layer.names).get(int(found)) or f"{found:.0f}"
+            else:
+                told = f"{found:.6g} {volume.unit}".rstrip()
+            words.append(f"{layer.name or volume.name} {told}")
+        return "   ".join(words)
+
     def _show(self, picked: Picked | None) -> None:
         active = self._documents.volume
         volume = active if picked is None or picked.volume is None else picked.volume
@@ -106,7 +128,11 @@ class Pointer(QObject):
             i, j, k = picked.voxel
             # a surface has a value of its own; elsewhere the number that stands in the file is looked for
             value = picked.isovalue if picked.isovalue is not None else float(volume.array[k, j, i])
-        self._status_line.show_picked(
-            None if picked is None else picked.voxel, value, volume.unit if volume is not None else ""
-        )
+        if picked is None or volume is None:
+            self._status_line.show_picked(None)
+        else:
+            unit = length_unit(volume)
+            place = ", ".join(f"{v:.1f}" for v in picked.position) + f" {unit}"
+            values = self._values(picked) or f"{value:.6g} {volume.unit}".rstrip()
+            self._status_line.show_picked(picked.voxel, place, values)
         self._editor.highlight_value(value if volume is active else None)

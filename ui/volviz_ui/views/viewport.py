@@ -14,7 +14,7 @@ from pyvistaqt import QtInteractor
 
 from volviz.model.camera import Camera
 from volviz.model.store import Store
-from volviz_ui.views.camera_moves import TURN, WHEEL_STEP, panned, rotated, zoomed
+from volviz_ui.views.camera_moves import TURN, WHEEL_STEP, panned, rotated, zoomed, zoomed_at
 
 if TYPE_CHECKING:
     from volviz.custom_gl.vtk.manipulators import Manipulators
@@ -332,7 +332,7 @@ class Viewport(QtInteractor):
         event.accept()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom; with Ctrl the light comes nearer or goes away. Through slices, which zoom with Ctrl."""
+        """Zoom; with Ctrl the light comes nearer or goes away. Through slices, which zoom at the pointer with Ctrl."""
         notches = event.angleDelta().y() / 120
         if notches:
             self._begin_wheel()
@@ -340,6 +340,10 @@ class Viewport(QtInteractor):
                 self.stepped.emit(notches)
             elif event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
                 self.light_wheeled.emit(WHEEL_STEP**notches)
+            elif self.shows_slice:
+                place = (event.position().x(), event.position().y())
+                size = (self.width(), self.height())
+                self._move_camera(zoomed_at(self.view_camera, WHEEL_STEP**notches, place, size))
             else:
                 self._move_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
         event.accept()
