@@ -61,6 +61,16 @@ def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camer
     )
 
 
+def faced_anew(camera: Camera, normal: Vector, up: Vector, about: Vector) -> Camera:
+    """The camera straight before another plane: as near as before, with the same point in the same place."""
+    right_before, up_before = frame(camera)
+    offset = np.subtract(camera.focal_point, about)
+    across, upwards = offset @ right_before, offset @ up_before
+    focal = np.asarray(about) + across * np.cross(up, normal) + upwards * np.asarray(up)
+    position = focal + camera.distance * np.asarray(normal)
+    return replace(camera, position=_vector(position), focal_point=_vector(focal), view_up=up)
+
+
 def point_on_plane(
     camera: Camera, place: tuple[float, float], size: tuple[int, int], through: Vector
 ) -> Vector:
