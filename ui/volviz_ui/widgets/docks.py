@@ -7,11 +7,17 @@ from PySide6.QtWidgets import QMainWindow, QTabBar, QWidget
 
 from volviz_ui.widgets.dock import Dock
 
-VERSION = 2
+VERSION = 3
 """Of the places that Qt remembers."""
 SIDE_WIDTHS = [264, 340]
 FOOT_HEIGHT = 236
-_PLACES = (("crosscheck", "transfer"), ("compare", "data"), ("movie", "data"), ("measurements", "technique"))
+_PLACES = (
+    ("crosscheck", "transfer"),
+    ("labels", "transfer"),
+    ("compare", "data"),
+    ("movie", "data"),
+    ("measurements", "technique"),
+)
 """Panels that share the place of another one."""
 
 

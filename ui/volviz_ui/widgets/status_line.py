@@ -7,6 +7,7 @@ from typing import Any
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QWidget
 
+from volviz.volume_data.brick_cache.cache import BrickStatus
 from volviz.volume_data.volume import Volume
 
 #: While images are on their way, what the line says of them changes no more often than this.
@@ -86,6 +87,8 @@ class StatusLine(QStatusBar):
         else:
             percent = max(1, round(100 * status.resolution))
             words = self.tr("%1 % of the resolution").replace("%1", str(percent))
+        if status.bricks is not None:
+            words += ", " + self._words_on_bricks(status.bricks)
         notice = getattr(status, "notice", "")
         if notice:
             # the first clause; all of it is in the tooltip
@@ -94,6 +97,15 @@ class StatusLine(QStatusBar):
         self.drawing.setText(f"{self._technique}, {words}")
         seconds = status.seconds
         self.time.setText(f"{1000 * seconds:.0f} ms" if seconds < 10 else f"{seconds:.1f} s")
+
+    def _words_on_bricks(self, bricks: BrickStatus) -> str:
+        """Which level a volume larger than memory is seen at, and how much of it is there; level 0 is the finest."""
+        share = 100 * (bricks.present + bricks.failed) // max(bricks.needed, 1)
+        words = self.tr("level %1 of %2, %3 % of the needed bricks, %4 MB")
+        numbers = (bricks.level, bricks.level_count, share, round(bricks.held_bytes / 1e6))
+        for place, number in enumerate(numbers, start=1):
+            words = words.replace(f"%{place}", str(number), 1)
+        return words
 
     def show_volume(self, volume: Volume | None) -> None:
         """Show what is loaded."""
