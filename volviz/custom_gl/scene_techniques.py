@@ -14,7 +14,7 @@ from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.cursor import tilted
 from volviz.model.layers import ImageLayer, Layer
-from volviz.model.light import Light
+from volviz.model.light import FROM_UPPER_LEFT, Light
 from volviz.model.looks.look import Look
 from volviz.model.manipulators import as_vector
 from volviz.model.movie import Surroundings
@@ -233,7 +233,7 @@ def _lit_from_above(scene: Scene, view: int | None = None) -> Scene:
     settings = current_settings(scene, view)
     # a technique whose settings have no switch for it is always lit where it has an ambient light
     lit = getattr(settings, "shading", hasattr(settings, "ambient"))
-    return replace(scene, light=Light(headlight=False)) if lit and scene.light == Light() else scene
+    return replace(scene, light=FROM_UPPER_LEFT) if lit and scene.light == Light() else scene
 
 
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:
