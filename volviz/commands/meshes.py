@@ -7,13 +7,10 @@ import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from volviz.commands.inputs import add_input, load_input, open_input, part_of, source_of
 from volviz.errors import InputError, VolvizError
-
-if TYPE_CHECKING:
-    import pyvista
 
 
 def add_commands(commands: Any) -> None:
@@ -93,7 +90,7 @@ def run_isosurface(options: argparse.Namespace) -> int:
     return 0
 
 
-def _by_blocks(options: argparse.Namespace, progress: Callable[[float], None]) -> pyvista.PolyData:
+def _by_blocks(options: argparse.Namespace, progress: Callable[[float], None]) -> Any:
     """The mesh of a volume that need not fit into memory."""
     from volviz.kernels.marching import keep_components
     from volviz.meshes.blocks import isosurface_by_blocks
