@@ -95,6 +95,9 @@ class TechniqueInfo:
     facing : callable or None
         From its settings the direction towards the viewer, and up, from which its image is meant to be seen by a
         parallel projection; it may give None as well. None where every view is as good.
+    turned : callable or None
+        Takes its settings and a function that turns directions; gives settings whose plane is turned so. None where
+        nothing is.
     study : callable or None
         Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
         nothing in its images to refine.
@@ -105,6 +108,9 @@ class TechniqueInfo:
         It is an oracle itself: its frame times say nothing, and everything is compared with it.
     draws_layers : bool
         It draws several layers in one ray integral (`Frame.layers`).
+    draws_bricks : bool
+        It reads scalars by the hook ``fetch`` alone, so that they may come from bricks of several levels
+        (`volviz.custom_gl.gpu.brick_resources`).
     samples_rays : bool
         It gathers samples along rays, or in slices across them, as `volviz.reference.ray_profile` does with its
         settings.
@@ -135,10 +141,12 @@ class TechniqueInfo:
     extraction: str = ""
     cursor_setting: str = ""
     facing: Callable[[Any], tuple[Vector, Vector] | None] | None = None
+    turned: Callable[[Any, Callable[[Vector], Vector]], Any] | None = None
     study: Callable[[Volume], Study | None] | None = None
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False
     draws_layers: bool = False
+    draws_bricks: bool = False
     samples_rays: bool = False
     view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 
@@ -307,6 +315,8 @@ class Frame:
         How the volume joins other layers (`volviz.ImageLayer`).
     labels : ShownLabels or None
         Of a layer of labels, how it is drawn.
+    leads : bool
+        Of one of several layers, whether it is the first that is seen, which settings of isosurfaces mean.
     joined_to : Frame or None
         Of one of several layers, the frame of all: it says the step and from where surfaces are seen.
     """
@@ -341,6 +351,7 @@ class Frame:
     joint: LayerResources | None = None
     mode: LayerMode = "add"
     labels: ShownLabels | None = None
+    leads: bool = False
     joined_to: Frame | None = None
 
     @property

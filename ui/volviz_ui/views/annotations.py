@@ -8,17 +8,22 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
+from PySide6.QtCore import QPointF
 
 from volviz.annotations.picture import shapes_around
 from volviz.annotations.planes import subject_of_view
+from volviz.annotations.projection import Projection
 from volviz.annotations.shapes import Shape
 from volviz.annotations.style import Style
 from volviz.annotations.subject import Subject, surface_bar
 from volviz.custom_gl.resolve import ResolvedSpec
+from volviz.measure.readings import words_beside
+from volviz.model.measurements import Measurement
 from volviz.model.picture import SWITCHES, PictureContents
 from volviz.model.surface_values import SurfaceColors
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.views import tilt_handles
 from volviz_ui.views.overlay import Overlay
 from volviz_ui.views.viewport import Viewport
 
@@ -50,6 +55,7 @@ class Annotations:
         self._values: SurfaceColors | None = None
         self._unit = ""
         self._note = ""
+        self._pending: Measurement | None = None
         self._told: tuple[object, Subject] | None = None
         self._laid_out: tuple[object, tuple[Shape, ...]] | None = None
         self.overlay = Overlay(self._shapes, viewport)
@@ -89,6 +95,14 @@ class Annotations:
             self._show_box()
         self._viewport.render()
 
+    def show_pending(self, pending: Measurement | None) -> None:
+        """Draw a measurement that is not yet in the scene, None for none."""
+        if pending != self._pending:
+            self._pending = pending
+            self._told = None
+            # nothing of the volume changes
+            self.overlay.refresh()
+
     def show_values(self, colors: SurfaceColors | None, unit: str = "", note: str = "") -> None:
         """Explain the colours of a surface by a bar, in the place of that of the transfer function.
 
@@ -118,8 +132,25 @@ class Annotations:
             subject = subject_of_view(scene, self._view, shown, self._loaded.volumes)
             if self._values is not None:
                 subject = replace(subject, bar=surface_bar(self._values, self._unit))
+            if self._pending is not None:
+                named = bool(self._pending.name)
+                words = words_beside(self._pending, self._loaded.volume) if named else ""
+                measured = (*subject.measurements, (self._pending, words))
+                subject = replace(subject, measurements=measured)
             self._told = (key, replace(subject, note=self._note))
         return self._told[1]
+
+    def is_on_knob(self, position: QPointF) -> bool:
+        """Whether a knob that turns slices lies at a place of the viewport."""
+        subject = self.subject()
+        if subject is None or not self._contents.cross_hair:
+            return False
+        return tilt_handles.is_on_knob(subject, self._projection, (position.x(), position.y()))
+
+    @property
+    def _projection(self) -> Projection:
+        size = (max(self._viewport.width(), 1), max(self._viewport.height(), 1))
+        return Projection(self._viewport.view_camera, size)
 
     def _shapes(self) -> tuple[Shape, ...]:
         size = (max(self._viewport.width(), 1), max(self._viewport.height(), 1))
@@ -132,6 +163,8 @@ class Annotations:
         if self._laid_out is None or self._laid_out[0] != key:
             ground = self._loaded.scene.background or GROUND
             shapes = shapes_around(contents, subject, camera, size, background=ground, scale=1.0)
+            if contents.cross_hair:
+                shapes = (*shapes, *tilt_handles.shapes(subject, Projection(camera, size)))
             self._laid_out = (key, shapes)
         return self._laid_out[1]
 

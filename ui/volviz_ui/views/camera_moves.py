@@ -34,27 +34,35 @@ def rotated(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Came
     return camera.turned(azimuth=-TURN * dx / side, elevation=TURN * dy / side)
 
 
-def zoomed_at(camera: Camera, factor: float, place: tuple[float, float], size: tuple[int, int]) -> Camera:
-    """The camera nearer by a factor; what lies at a place (x right, y down, in pixels) stays there.
-
-    That holds at the depth of the focal point.
-    """
-    point = np.asarray(point_on_plane(camera, place, size, camera.focal_point))
-    push = (point - np.asarray(camera.focal_point)) * (1.0 - 1.0 / factor)
-    moved = replace(
-        camera,
-        position=_vector(np.add(camera.position, push)),
-        focal_point=_vector(np.add(camera.focal_point, push)),
-    )
-    return zoomed(moved, factor)
-
-
 def zoomed(camera: Camera, factor: float) -> Camera:
     """The camera nearer by a factor; the focal point stays."""
     if camera.parallel:
         return replace(camera, parallel_scale=camera.scale / factor)
     offset = np.subtract(camera.position, camera.focal_point) / factor
     return replace(camera, position=_vector(np.add(camera.focal_point, offset)))
+
+
+def zoomed_at(camera: Camera, factor: float, place: tuple[float, float], size: tuple[int, int]) -> Camera:
+    """The camera nearer by a factor; what lies at a place (x right, y down, in pixels) stays there.
+
+    That holds at the depth of the focal point.
+    """
+    share = 1.0 - 1.0 / factor
+    dx, dy = place[0] - size[0] / 2, place[1] - size[1] / 2
+    return zoomed(panned(camera, -share * dx, -share * dy, size), factor)
+
+
+def flown(camera: Camera, bounds: tuple[float, float, float, float, float, float]) -> Camera:
+    """The camera in front of a world box (x0, x1, y0, y1, z0, z1), which fills about half of the view."""
+    low, high = np.array(bounds[::2]), np.array(bounds[1::2])
+    center, radius = (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-9)
+    distance = 2.0 * radius / np.sin(np.radians(camera.view_angle / 2))
+    return replace(
+        camera,
+        position=_vector(center - distance * np.asarray(camera.direction)),
+        focal_point=_vector(center),
+        parallel_scale=2.0 * radius if camera.parallel else camera.parallel_scale,
+    )
 
 
 def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camera:
@@ -67,6 +75,16 @@ def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camer
         position=_vector(np.add(camera.position, move)),
         focal_point=_vector(np.add(camera.focal_point, move)),
     )
+
+
+def faced_anew(camera: Camera, normal: Vector, up: Vector, about: Vector) -> Camera:
+    """The camera straight before another plane: as near as before, with the same point in the same place."""
+    right_before, up_before = frame(camera)
+    offset = np.subtract(camera.focal_point, about)
+    across, upwards = offset @ right_before, offset @ up_before
+    focal = np.asarray(about) + across * np.cross(up, normal) + upwards * np.asarray(up)
+    position = focal + camera.distance * np.asarray(normal)
+    return replace(camera, position=_vector(position), focal_point=_vector(focal), view_up=up)
 
 
 def point_on_plane(
