@@ -132,6 +132,13 @@ def test_values_of_an_image_are_told_and_written(
     assert float(rows[1]["maximum"]) == image[labels == 8].max()
 
 
+def test_chosen_labels_become_meshes(panel: LabelPanel, tmp_path: Path, wait_for: Wait) -> None:
+    panel.choose(8)
+    panel.save_meshes(tmp_path / "meshes")
+    wait_for(lambda: panel.words.text().startswith("1 mesh in"))
+    assert [path.name for path in (tmp_path / "meshes").iterdir()] == ["8 Right.stl"]
+
+
 def test_names_are_edited_read_from_a_file_and_saved_with_the_session(
     same_window: MainWindow, panel: LabelPanel, tmp_path: Path, wait_for: Wait
 ) -> None:

@@ -22,6 +22,14 @@ def add_commands(commands: Any) -> None:
     parser.add_argument("--image", metavar="FILE", help="image whose values are told under each label")
     parser.add_argument("--names", metavar="FILE", help="names: ITK-SNAP, FreeSurfer, 3D Slicer or CSV")
     parser.add_argument("-o", "--output", metavar="FILE.csv", help="write the table as CSV")
+    parser.add_argument(
+        "--meshes",
+        metavar="FOLDER",
+        help="write the surface of each label into this folder, closed, without gaps",
+    )
+    parser.add_argument(
+        "--mesh-type", default="stl", metavar="TYPE", help="stl, ply, obj, vtp, gltf or glb (default stl)"
+    )
     parser.add_argument("--overwrite", action="store_true", help="replace an existing file")
     parser.add_argument("--json", action="store_true", help="as JSON")
     parser.set_defaults(run=run)
@@ -41,7 +49,17 @@ def run(options: argparse.Namespace) -> int:
     known = read_label_file(options.names) if options.names else source.labels
     names = {label.number: label.name for label in known}
     image = None if options.image is None else load(options.image)
-    table = label_statistics(source.read(**part_of(options)), image)
+    volume = source.read(**part_of(options))
+    if options.meshes is not None:
+        from volviz.meshes.label_surfaces import label_surfaces, save_label_surfaces
+
+        written = save_label_surfaces(
+            label_surfaces(volume), Path(options.meshes).expanduser(), names,
+            suffix=f".{options.mesh_type.lower().lstrip('.')}", overwrite=options.overwrite,
+        )  # fmt: skip
+        print(f"{options.meshes}: {len(written)} meshes")
+        return 0
+    table = label_statistics(volume, image)
     if not len(table.labels):
         raise VolvizError(f"{source.name}: it holds no label, 0 stands for nothing.")
     if target is not None:

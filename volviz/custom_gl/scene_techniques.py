@@ -12,7 +12,7 @@ from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.layers import ImageLayer, Layer
-from volviz.model.light import Light
+from volviz.model.light import FROM_UPPER_LEFT, Light
 from volviz.model.looks.look import Look
 from volviz.model.movie import Surroundings
 from volviz.model.parameters import Parameter, make_settings, setting_values
@@ -218,7 +218,7 @@ def _lit_from_above(scene: Scene, view: int | None = None) -> Scene:
     settings = current_settings(scene, view)
     # a technique whose settings have no switch for it is always lit where it has an ambient light
     lit = getattr(settings, "shading", hasattr(settings, "ambient"))
-    return replace(scene, light=Light(headlight=False)) if lit and scene.light == Light() else scene
+    return replace(scene, light=FROM_UPPER_LEFT) if lit and scene.light == Light() else scene
 
 
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:

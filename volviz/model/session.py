@@ -189,6 +189,8 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
             bool(light["headlight"]),
             None if position is None else _numbers(position, 3),
             _numbers(light["color"], 3),
+            # absent where the session was written before a light could stand there
+            bool(light.get("beside_eye", False)),
         ),
         clipping=Clipping(clipping["crop"], tuple((tuple(o), tuple(n)) for o, n in clipping["planes"])),
         background=None if data["background"] is None else _numbers(data["background"], 3),

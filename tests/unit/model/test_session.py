@@ -95,7 +95,9 @@ layers = (
 scenes = st.builds(
     Scene,
     layers=st.lists(layers, max_size=3).map(tuple),
-    light=st.builds(Light, headlight=st.booleans(), position=st.none() | vectors, color=colors),
+    light=st.builds(
+        Light, headlight=st.booleans(), position=st.none() | vectors, color=colors, beside_eye=st.booleans()
+    ),
     clipping=st.sampled_from([Clipping(), Clipping((0, 5, 1, 4, 2, 9), (((0, 0, 1), (0, 0.6, 0.8)),))]),
     background=st.none() | colors,
     views=st.builds(

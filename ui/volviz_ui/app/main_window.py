@@ -103,7 +103,7 @@ class MainWindow(QMainWindow):
         # threads of their own: compiling takes seconds, and no file shall wait for it
         self.compilers = Workers(self)
         self.compilers.gate = self.gate
-        self.documents = Documents(self.store, self.workers, self)
+        self.documents = Documents(self.store, self.workers, self, corrections=self.preferences.correction)
         self.setWindowIcon(app_icon())
         self.setWindowTitle("VolViz[*]")
         self.setAcceptDrops(True)
@@ -272,6 +272,7 @@ class MainWindow(QMainWindow):
         section.cancel_requested.connect(self.surface.cancel)
         section.export_requested.connect(self.file_commands.export_mesh)
         self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
+        self.data_panel.correction_requested.connect(self.file_commands.show_understood)
         self.data_panel.layers.labels_requested.connect(self._on_labels_requested)
         self.player.preparation = self.views.preparations
         self.player.failed.connect(self._on_time_failed)

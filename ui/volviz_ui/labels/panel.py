@@ -37,7 +37,7 @@ from volviz_ui.editors.simple import NoWheelComboBox, chosen_color
 from volviz_ui.labels.model import LABEL, NAME, LabelModel, Rows
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
-from volviz_ui.session.workers import Workers
+from volviz_ui.session.workers import Task, Workers
 from volviz_ui.widgets.binding import show_value
 from volviz_ui.widgets.small import quiet_label, small_button
 
@@ -354,6 +354,8 @@ class LabelPanel(QWidget):
             (tr("Names and colours from a file…"), tr("Of ITK-SNAP, FreeSurfer, 3D Slicer, BIDS, or CSV"),
              self._ask_names),
             (tr("Save table as CSV…"), tr("All columns that are shown, for a spreadsheet"), self._ask_csv),
+            (tr("Save meshes…"), tr("A closed surface of each chosen label, or of all, without gaps"),
+             self._ask_meshes),
         ):  # fmt: skip
             action = menu.addAction(words, run)
             action.setToolTip(tip)
@@ -382,6 +384,38 @@ class LabelPanel(QWidget):
         )
         if path:
             self.save_csv(Path(path) if Path(path).suffix else Path(path).with_suffix(".csv"))
+
+    def _ask_meshes(self) -> None:
+        folder = QFileDialog.getExistingDirectory(self, self.tr("Folder for the meshes"))
+        if folder:
+            self.save_meshes(Path(folder))
+
+    def save_meshes(self, folder: Path, suffix: str = ".stl") -> None:
+        """Write the surfaces of the chosen labels, or of all, on a worker; files that are there are kept."""
+        volume, layer, rows = self._volume, self.label_layer, self.model.rows
+        if volume is None or layer is None or rows is None:
+            return
+        placed = volume if layer.transform is None else volume.moved(layer.transform)
+        chosen, names = self.chosen or None, rows.names
+
+        def work(task: Task) -> int:
+            from volviz.meshes.label_surfaces import label_surfaces, save_label_surfaces
+
+            surfaces = label_surfaces(placed, chosen, progress=task.report, cancel=lambda: task.is_cancelled)
+            return len(save_label_surfaces(surfaces, folder, names, suffix=suffix))
+
+        task = self._workers.start(work, label=self.tr("Saving meshes"), key="label meshes")
+        task.progressed.connect(
+            lambda part, _words: self.words.setText(
+                self.tr("Meshes: %1 %").replace("%1", str(round(100 * part)))
+            )
+        )
+        task.succeeded.connect(lambda count: self._say_saved(count, folder))
+        task.failed.connect(lambda error: show_error(self, self.tr("The meshes were not saved"), error))
+
+    def _say_saved(self, count: int, folder: Path) -> None:
+        words = self.tr("1 mesh in %2") if count == 1 else self.tr("%1 meshes in %2")
+        self.words.setText(words.replace("%1", str(count)).replace("%2", str(folder)))
 
     def save_csv(self, path: Path) -> None:
         """Write the table; the dialog has asked about a file that is there."""

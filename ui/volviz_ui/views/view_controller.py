@@ -20,7 +20,7 @@ from volviz.custom_gl.scene_techniques import (
 from volviz.custom_gl.vtk import add_spec
 from volviz.model.camera import Camera
 from volviz.model.cursor import cursor_of, stepped, within
-from volviz.model.light import default_position
+from volviz.model.light import default_position, position_beside_eye
 from volviz.model.store import Store
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.documents import Documents
@@ -324,8 +324,13 @@ class ViewController(QObject):
         light = self._store.scene.light
         if volume is None:
             return
-        position = light.position if light.position is not None else default_position(volume.bounds)
-        moved = replace(light, headlight=False, position=move(position))
+        if light.beside_eye:
+            position = position_beside_eye(
+                volume.bounds, self._viewport.view_camera.matrices(1.0, (1.0, 2.0))[0]
+            )
+        else:
+            position = light.position or default_position(volume.bounds)
+        moved = replace(light, headlight=False, beside_eye=False, position=move(position))
         self._store.update(
             lambda scene: replace(scene, light=moved), label=self.tr("Move the light"), gesture=gesture
         )
