@@ -27,7 +27,6 @@ from volviz.volume_data.budgets import budgets
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.commands.shortcuts import ShortcutsDialog
 from volviz_ui.dialogs.export_image import ExportImageDialog
-from volviz_ui.dialogs.raw_import import hints_from_name, is_raw
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.session.script import script_of
 from volviz_ui.style.theme import Theme
@@ -422,10 +421,3 @@ def test_the_background_is_a_step_of_the_history(window: MainWindow, wait_for: W
     QTest.qWait(50)
     assert image(window)[3, 3].max() < 120
     assert foreground(window).mean() > 0.02
-
-
-def test_raw_names_tell_what_they_tell() -> None:
-    assert is_raw("a/head_256x256x225_uint8.RAW")
-    assert is_raw("male_128x256x256_uint8.raw.gz")
-    assert hints_from_name("head_256x256x225_uint8.raw") == {"dims": (256, 256, 225), "dtype": "uint8"}
-    assert hints_from_name("head.raw") == {}

@@ -15,7 +15,7 @@ from volviz.model.layers import ImageLayer, Layer
 from volviz.model.light import Light
 from volviz.model.looks.look import Look
 from volviz.model.movie import Surroundings
-from volviz.model.parameters import Parameter, make_settings
+from volviz.model.parameters import Parameter, make_settings, setting_values
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Layout, Scene, SceneView
 from volviz.model.slice_plane import NAMED_PLANES
@@ -168,11 +168,39 @@ def with_technique(
     drawn = replace(scene.view_at(view), technique=info.id)
     if values is not None:
         drawn = drawn.with_settings(info.id, make_settings(info.settings, dict(values), owner=info.id))
-    changed = scene.with_view(view, technique=drawn.technique, settings=drawn.settings)
-    settings = current_settings(changed, view)
+    return _lit_from_above(scene.with_view(view, technique=drawn.technique, settings=drawn.settings), view)
+
+
+def with_lighting(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with other settings of the technique of the active view, where that can be lit; else as it is.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping
+        Settings by name; the technique leaves out those that it does not have.
+
+    Raises
+    ------
+    VolvizError
+        A value is outside of its limits.
+    """
+    info, settings = current_technique(scene), current_settings(scene)
+    present = setting_values(settings)
+    # where the light can be dragged, matter is lit by more than its gradient
+    if "shading" not in present or "light" in info.manipulators:
+        return scene
+    known = {name: value for name, value in values.items() if name in present}
+    changed = scene.view.with_settings(info.id, make_settings(info.settings, present | known, owner=info.id))
+    return _lit_from_above(scene.with_view(settings=changed.settings))
+
+
+def _lit_from_above(scene: Scene, view: int | None = None) -> Scene:
+    """The scene with its light at the upper left, where a view is lit and nobody has touched the light."""
+    settings = current_settings(scene, view)
     # a technique whose settings have no switch for it is always lit where it has an ambient light
     lit = getattr(settings, "shading", hasattr(settings, "ambient"))
-    return replace(changed, light=Light(headlight=False)) if lit and scene.light == Light() else changed
+    return replace(scene, light=Light(headlight=False)) if lit and scene.light == Light() else scene
 
 
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:

@@ -48,6 +48,12 @@ def hints_from_name(name: str) -> tuple[tuple[int, int, int], str] | None:
     return (int(sizes[1]), int(sizes[2]), int(sizes[3])), _plain(kind)
 
 
+def named_type(name: str) -> str | None:
+    """The type of values that a name says, None where it says none."""
+    kind = _TYPE.search(name.lower())
+    return None if kind is None else _plain(kind)
+
+
 def _plain(kind: re.Match[str]) -> str:
     """NumPy's name of a type that is written as in C."""
     name = _SYNONYMS.get(kind[2], kind[2])

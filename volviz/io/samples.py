@@ -81,7 +81,7 @@ _SAMPLES = (
         "BSD-3-Clause",
         "test image lung2 of the Python package pyradiomics 3.0.1",
         "CT",
-        "ct-bone-lit",
+        "ct-bone",
         "samples/ct-chest.nrrd",
     ),
     Sample(

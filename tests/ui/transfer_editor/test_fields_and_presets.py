@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QFocusEvent, QImage
 from PySide6.QtWidgets import QApplication, QColorDialog
 
 from tests.ui.transfer_editor.conftest import ct_like, documents_of, show, start_function
+from volviz.custom_gl.registry import techniques
 from volviz.errors import VolvizError
 from volviz.model.layers import ImageLayer
 from volviz.model.scene import Scene
@@ -186,6 +187,24 @@ def test_a_preset_can_bring_its_technique_and_settings_in_one_step(editor, store
     store.undo()
     assert function(store) == start_function()
     assert store.scene.view.settings == ()
+
+
+def test_a_preset_made_for_light_lights_what_can_be_lit_and_keeps_the_technique(editor, store) -> None:
+    raycast = techniques()["raycast"].settings
+    store.update(lambda s: s.with_view(settings=s.view.with_settings("raycast", raycast(step=0.3)).settings))
+    editor.commands.take(preset("ct-bone"))
+    settings = store.scene.view.settings_for("raycast", raycast)
+    assert (settings.shading, settings.step) == (True, 0.3)
+    assert not store.scene.light.headlight
+    store.undo()
+    assert store.scene.view.settings_for("raycast", raycast) == raycast(step=0.3)
+    assert store.scene.light.headlight
+    for technique in ("isosurface", "half_angle"):
+        store.update(lambda s, t=technique: s.with_view(technique=t))
+        before = store.scene.view
+        editor.commands.take(preset("ct-bone"))
+        assert store.scene.view == before
+        assert function(store) == preset_for("ct-bone", editor.model.volume)
 
 
 def test_a_preset_of_an_unknown_technique_brings_at_least_its_function(editor, store, qtbot) -> None:

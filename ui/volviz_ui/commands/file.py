@@ -20,7 +20,7 @@ from volviz_ui.commands.session import SessionCommands
 from volviz_ui.dialogs.choose_entry import ChooseEntryDialog
 from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.open_address import OpenAddressDialog
-from volviz_ui.dialogs.raw_import import RawImportDialog, hints_from_name, is_raw
+from volviz_ui.dialogs.raw_import import RawImportDialog, is_raw, says_all
 from volviz_ui.dialogs.save_volume import SaveVolumeDialog
 from volviz_ui.session.mesh_summary import shows_mesh
 from volviz_ui.session.opening import SeveralImages, title_of
@@ -225,14 +225,14 @@ class FileCommands(QObject):
         self._context.preferences.folder = str(Path(path).parent)
         if path.endswith(SESSION_SUFFIX):
             self._sessions.unless_unsaved(partial(self._sessions.open_path, path))
-        elif is_raw(path) and Path(path).is_file() and len(hints_from_name(path)) < 2:
+        elif is_raw(path) and Path(path).is_file() and not says_all(path):
             self.ask_how_to_read(path)
         else:
             self._open(path)
 
     def ask_how_to_read(self, path: str) -> RawImportDialog:
         """Open the dialog for raw files; the file is opened when it is accepted."""
-        dialog = RawImportDialog(path, self._context.window)
+        dialog = RawImportDialog(path, self._context.workers, self._context.window)
         dialog.accepted.connect(lambda: self._open(path, **dialog.hints))
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()

@@ -23,8 +23,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz.custom_gl.scene_techniques import with_technique
+from volviz.custom_gl.scene_techniques import with_lighting, with_technique
 from volviz.errors import VolvizError
+from volviz.model.scene import Scene
 from volviz.model.transfer.channels import simplified, with_ramp
 from volviz.model.transfer.formats import colormap_colors, read_preset_file, write_transfer_function
 from volviz.model.transfer.presets import Preset, preset_for
@@ -96,26 +97,27 @@ class PresetCommands(QObject):
         self._widget = widget
 
     def take(self, preset: Preset) -> None:
-        """Put a preset on the data; its technique and settings too, in one step of the history."""
+        """Put a preset on the data; its technique, settings and light too, in one step of the history."""
         model = self._model
         volume = model.volume
         function = preset.transfer_function if volume is None else preset_for(preset, volume)
         label = self.tr("Preset %1").replace("%1", preset.label)
-        if preset.technique is None:
-            model.apply(function, label, ())
-            return
         technique, values = preset.technique, preset.settings
+
+        def taken(scene: Scene) -> Scene:
+            changed = scene.with_layer(transfer_function=function)
+            if technique is not None:
+                return with_technique(changed, technique, values)
+            return changed if values is None else with_lighting(changed, values)
+
         try:
-            with_technique(model.store.scene, technique, values)
+            taken(model.store.scene)
         except VolvizError as error:
             self.failed.emit(error)
             model.apply(function, label, ())
             return
         model.select(())
-        model.store.update(
-            lambda scene: with_technique(scene.with_layer(transfer_function=function), technique, values),
-            label=label,
-        )
+        model.store.update(taken, label=label)
 
     def save(self) -> None:
         """Ask for a name and save the present function."""

@@ -16,6 +16,7 @@ from volviz.custom_gl.settings import common_settings
 from volviz.errors import VolvizError
 from volviz.model.light import Light
 from volviz.model.parameters import make_settings
+from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.transfer.function import TransferFunction
 from volviz.model.transfer.presets import Preset
 from volviz.volume_data.volume import Volume
@@ -60,7 +61,8 @@ class Thumbnails(QObject):
 
         def work(_task: Task) -> Any:
             copy = coarse if coarse is not None else coarse_copy(volume)
-            image = None if preset.technique is None else drawn_with(preset, copy, function, volume)
+            plain = preset.technique is None and preset.settings is None
+            image = None if plain else drawn_with(preset, copy, function, volume)
             return copy, drawn(copy, function, volume) if image is None else image
 
         def arrived(result: Any) -> None:
@@ -127,7 +129,7 @@ def drawn_with(
     None where there is no such technique here, or no oracle for it.
     """
     try:
-        info = technique(str(preset.technique))
+        info = technique(preset.technique or DEFAULT_TECHNIQUE)
         settings = make_settings(info.settings, preset.settings or {}, owner=info.id)
     except VolvizError:
         return None

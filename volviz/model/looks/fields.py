@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from volviz.model.looks.evidence import Evidence
-from volviz.model.looks.look import Look, lit, shells
+from volviz.model.looks.look import TRANSLUCENT, Look, lit, shells
 from volviz.model.looks.projections import brightest, x_ray
 from volviz.model.transfer.automatic import auto_transfer_function
 from volviz.model.transfer.function import Color
@@ -65,7 +65,7 @@ def _one(evidence: Evidence, value: float) -> Look:
 def _cloud(evidence: Evidence) -> Look:
     function = auto_transfer_function(evidence.volume)
     points = [(p.value, p.color, p.opacity) for p in function.points]
-    return lit("cloud", "Cloud", "All values, translucent, lit.", points)
+    return lit("cloud", "Cloud", "All values, translucent, lit.", points, **TRANSLUCENT)
 
 
 def _width(evidence: Evidence) -> float:

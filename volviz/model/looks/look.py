@@ -12,6 +12,8 @@ from volviz.model.transfer.function import Color, TransferFunction
 RAYS, SURFACES = "raycast", "isosurface"
 #: Soft light on a matt surface: enough ambient light that shadows keep their colour.
 MATT: Mapping[str, Any] = {"ambient": 0.3, "diffuse": 0.85, "specular": 0.15, "shininess": 20.0}
+#: The same for matter that one looks through: most of it is lit from aside, and must not become dark.
+TRANSLUCENT: Mapping[str, Any] = {**MATT, "ambient": 0.45, "diffuse": 0.8}
 
 
 @dataclass(frozen=True)

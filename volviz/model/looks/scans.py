@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from volviz.model.looks.evidence import Evidence
-from volviz.model.looks.look import Look, lit
+from volviz.model.looks.look import TRANSLUCENT, Look, lit
 from volviz.model.looks.projections import brightest, x_ray
 from volviz.model.transfer.function import Color
 
@@ -60,7 +60,7 @@ def inside(evidence: Evidence, tones: Tones) -> Look:
         (max(levels.end, last + 2 * width), tones[3], 0.9),
     ]
     words = "The densest matter, behind a veil of what surrounds it."
-    return lit("inside", "Inside", words, _unmirrored(points, evidence))
+    return lit("inside", "Inside", words, _unmirrored(points, evidence), **TRANSLUCENT)
 
 
 def tissue(evidence: Evidence, tones: Tones) -> Look:
@@ -74,7 +74,7 @@ def tissue(evidence: Evidence, tones: Tones) -> Look:
         (max(levels.end, levels.steps[-1] + border - levels.start), tones[3], 0.5),
     ]
     words = "The borders of all matter, like glass."
-    return lit("tissue", "Tissue", words, _unmirrored(points, evidence), gradient_opacity=0.9)
+    return lit("tissue", "Tissue", words, _unmirrored(points, evidence), **TRANSLUCENT, gradient_opacity=0.9)
 
 
 def _unmirrored(

@@ -48,7 +48,7 @@ class Preset:
     technique : str or None
         Id of the technique that the preset was made for.
     settings : mapping or None
-        Settings of that technique.
+        Settings of that technique; without one, settings for those techniques that light what they draw.
     """
 
     id: str
