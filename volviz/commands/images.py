@@ -99,6 +99,10 @@ def add_contents_options(parser: argparse.ArgumentParser) -> None:
         help="pixels to an inch of paper (default 96); papers want 300",
     )
     parser.add_argument(
+        "--no-session", action="store_true",
+        help="do not write into PNG and TIFF files how they were made (paths of volumes; see volviz reproduce)",
+    )  # fmt: skip
+    parser.add_argument(
         "--methods", action="store_true", help="print a sentence for the methods section of a paper, too"
     )
 
@@ -207,9 +211,12 @@ def draw(
     """Draw one image and say where it lies and how long it took."""
     from volviz.annotations.figure import is_vector
     from volviz.annotations.methods import methods_sentence
+    from volviz.annotations.picture import usual_scale
     from volviz.custom_gl.arguments import spec_of
     from volviz.custom_gl.offscreen import background_color
     from volviz.custom_gl.resolve import resolve
+    from volviz.embedded_session import carries, session_with
+    from volviz.model.picture import Picture
     from volviz.model.render_spec import View
     from volviz.renderer import Renderer
 
@@ -232,7 +239,17 @@ def draw(
             image, shapes = renderer.draw(spec, view, dtype=dtype, contents=contents), ()
         notice = renderer.notice
     seconds = time.perf_counter() - begin
-    save_image(image, output, shapes, ground, options.dpi)
+    session = None
+    if carries(output) and not options.no_session:
+        # that module takes the options of this one
+        from volviz.commands.scene import scene_of_spec
+
+        scene = scene_of_spec(options, spec, camera, ground)
+        picture = Picture.of_view(
+            0, size, usual_scale(size), contents=contents, transparent=transparent, dpi=options.dpi
+        )
+        session = session_with(scene, picture, output)
+    save_image(image, output, shapes, ground, options.dpi, session)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
     if notice:
         print(f"note: {notice}")
@@ -333,6 +350,7 @@ def save_image(
     shapes: Sequence[Shape] = (),
     background: tuple[float, float, float] | None = None,
     dpi: float = 96.0,
+    session: Mapping[str, Any] | None = None,
 ) -> None:
     """Write an image of shape (H, W, 4), uint8, or any array as .npy; the rest as for `write_picture`."""
     try:
@@ -343,8 +361,9 @@ def save_image(
                 np.save(file, image)
             return
         from volviz.annotations.figure import write_picture
+        from volviz.embedded_session import saving_options
 
         shown = image[..., :3] if output.suffix.lower() in OPAQUE_SUFFIXES else image
-        write_picture(output, shown, shapes, background, dpi)
+        write_picture(output, shown, shapes, background, dpi, **saving_options(output, session))
     except OSError as error:
         raise VolvizError(f"{output}: the picture cannot be written ({error.strerror or error}).") from None
