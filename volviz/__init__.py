@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from volviz.io import open as open  # noqa: A004 - as in tifffile, PIL
     from volviz.io import save as save
     from volviz.kernels.marching import marching_cubes as marching_cubes
+    from volviz.measure.label_table import label_statistics as label_statistics
     from volviz.meshes.polydata import extract_isosurface as extract_isosurface
     from volviz.model.camera import Camera as Camera
     from volviz.model.clipping import Clipping as Clipping
@@ -56,6 +57,7 @@ _PUBLIC = {
     "VolvizError": "volviz.errors",
     "add_volume": "volviz.custom_gl.vtk",
     "extract_isosurface": "volviz.meshes.polydata",
+    "label_statistics": "volviz.measure.label_table",
     "load": "volviz.io",
     "looks": "volviz.model.looks.choice",
     "open": "volviz.io",

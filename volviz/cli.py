@@ -57,7 +57,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import bench, compare, convert, images, inspect, measure, meshes, movies, reproduce
+    from volviz.commands import (
+        bench,
+        compare,
+        convert,
+        images,
+        inspect,
+        labels,
+        measure,
+        meshes,
+        movies,
+        reproduce,
+    )
 
     parser = argparse.ArgumentParser(
         prog="volviz",
@@ -67,14 +78,14 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (images, movies, reproduce, convert, compare, bench, meshes, measure, inspect):
+    for module in (images, movies, reproduce, convert, compare, bench, meshes, measure, labels, inspect):
         module.add_commands(commands)
     return parser
 
 
 _COMMANDS = (
-    "render", "movie", "reproduce", "convert", "compare", "bench", "isosurface", "crosscheck", "measure", "info",
-    "samples", "techniques", "presets", "looks", "doctor",
+    "render", "movie", "reproduce", "convert", "compare", "bench", "isosurface", "crosscheck", "measure", "labels",
+    "info", "samples", "techniques", "presets", "looks", "doctor",
 )  # fmt: skip
 
 

@@ -40,6 +40,7 @@ from volviz.model.picture import PictureContents
 from volviz.model.render_spec import RenderSpec, View
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.brick_cache.cache import BrickStatus
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
 
@@ -378,6 +379,11 @@ class Renderer:
         return "" if self._handle is None else self._handle.notice
 
     @property
+    def bricks(self) -> BrickStatus | None:
+        """Of a volume that the last image shows brick by brick: which levels and bricks of it; None for others."""
+        return None if self._handle is None else self._handle.status.bricks
+
+    @property
     def is_software(self) -> bool:
         """Whether OpenGL is computed on the processor."""
         return self._window_gpu().gpu.limits.software
@@ -461,7 +467,7 @@ class Renderer:
         for done, tile in enumerate(tiles):
             self._window_of((width, height))
             handle = self._frame(spec, view, volumes, tile, in_turns=seconds is not None)
-            while seconds is not None and not handle.refine(budget=seconds):
+            while seconds is not None and (not handle.refine(budget=seconds) or handle.is_missing_bricks):
                 handle.raise_error()
                 within = handle.status.progress
                 # a tile begins with a coarse image, which is reported as complete (1) although the tile is not
@@ -486,6 +492,8 @@ class Renderer:
         else:
             handle.scheduler = scheduler
             handle.show(spec, volumes)
+        # an image that is asked for has all bricks
+        handle.shows_unfinished = False
         assert view.camera is not None
         apply_camera(plotter.camera, view.camera)
         if view.clipping_range is None:

@@ -72,8 +72,10 @@ def draw_picture(
     return composition
 
 
-def write_composition(composition: Composition, path: Path, session: Mapping[str, Any] | None = None) -> None:
-    """Write a picture that has been put together, with the session that it carries.
+def write_composition(
+    composition: Composition, path: Path, session: Mapping[str, Any] | None = None, *, alpha: bool = False
+) -> None:
+    """Write a picture that has been put together, with the session that it carries, and with alpha in any case.
 
     Raises
     ------
@@ -81,7 +83,7 @@ def write_composition(composition: Composition, path: Path, session: Mapping[str
         The file cannot be written.
     """
     write_picture(
-        path, composition.image(), composition.shapes, composition.ground, composition.picture.dpi,
+        path, composition.image(alpha=alpha), composition.shapes, composition.ground, composition.picture.dpi,
         **saving_options(path, session),
     )  # fmt: skip
 

@@ -223,7 +223,9 @@ class _Cut:
         inside = np.isfinite(found)
         values = found[inside].astype(np.int64)
         others = np.unique(values[values != 0])
-        palette = LabelLook(layer.colors, layer.hidden, layer.opacity).palette(np.append(0, others))
+        palette = LabelLook(layer.colors, layer.hidden, layer.opacity, layer.opacities).palette(
+            np.append(0, others)
+        )
         colors = palette[np.where(values == 0, 0, np.searchsorted(others, values) + 1)]
         image = np.zeros((*found.shape, 4))
         image[inside] = np.concatenate([colors[:, :3] * colors[:, 3:], colors[:, 3:]], axis=1)

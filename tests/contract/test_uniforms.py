@@ -23,6 +23,7 @@ from volviz.custom_gl.vtk.vtk_imports import pyvista
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.surface_values import SurfaceColors, SurfaceValues
 from volviz.model.transfer.function_2d import Region, TransferFunction2D
+from volviz.volume_data.budgets import set_budgets
 
 SIZE = (64, 48)
 _DECLARATION = re.compile(r"^\s*uniform\s+\w+\s+(\w+)\s*(?:\[\w+\])?\s*;", re.MULTILINE)
@@ -97,6 +98,7 @@ def record() -> Record:
                 draw(technique)
         found.technique = DEFAULT_TECHNIQUE
         draw_whole_numbers()
+        draw_bricks()
     return found
 
 
@@ -107,6 +109,19 @@ def draw_whole_numbers() -> None:
         with shown(of, DEFAULT_TECHNIQUE, SIZE, transfer_function=function(of)) as (window, handle):
             window.render()
             handle.raise_error()
+
+
+def draw_bricks() -> None:
+    """A volume that is larger than the texture it may have."""
+    of = volviz.Volume(np.arange(80**3, dtype=np.float32).reshape(80, 80, 80))
+    before = set_budgets(texture=1 << 20)
+    try:
+        with shown(of, DEFAULT_TECHNIQUE, SIZE, transfer_function=function(of)) as (window, handle):
+            window.render()
+            handle.raise_error()
+            assert handle.status.bricks is not None
+    finally:
+        set_budgets(texture=before.texture)
 
 
 def draw(technique: str) -> None:
@@ -171,7 +186,8 @@ def draw(technique: str) -> None:
             numbers = volviz.Volume((of.array > of.array.mean()).astype(np.uint8))
             labels = volviz.LabelLayer(numbers)
             modes = [{"mode": mode} for mode, _ in MODES] if "mode" in names else [{}]
-            several = [((*layers, labels), {"shading": True} | mode) for mode in modes]
+            lit: dict[str, Any] = {"shading": True} if "shading" in names else {}
+            several = [((*layers, labels), lit | mode) for mode in modes]
             for shown_layers, values in [*several, ((labels,), {})]:
                 handle.show(spec_of(shown_layers, technique, **values))
                 window.render()

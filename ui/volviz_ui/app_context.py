@@ -8,6 +8,7 @@ from typing import Protocol
 from PySide6.QtWidgets import QMainWindow
 
 from volviz.model.store import Store
+from volviz_ui.measuring.tool import MeasureTool
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.mesh_summary import ShownMesh
 from volviz_ui.session.preferences import Preferences
@@ -44,6 +45,8 @@ class AppContext:
         The panels around it.
     surface : ShownMesh
         The mesh in the active view.
+    tool : MeasureTool
+        What places points in the views.
     messages : Messages
         Status line and dialogs of errors.
     """
@@ -58,4 +61,5 @@ class AppContext:
     views: ViewGrid
     docks: Docks
     surface: ShownMesh
+    tool: MeasureTool
     messages: Messages

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from volviz.annotations import margins, space
+from volviz.annotations.measures import measures
 from volviz.annotations.projection import Projection
 from volviz.annotations.shapes import Color, Shape
 from volviz.annotations.style import Style
@@ -57,6 +58,8 @@ def shapes_around(
         shapes += space.axes(subject, projection, style, letters)
     if contents.cross_hair:
         shapes += space.cross_hair(subject, projection, style)
+    if contents.measurements:
+        shapes += measures(subject, projection, style)
     if contents.marker and not faces:
         shapes += space.marker(subject, projection, style)
     shapes += letters

@@ -11,6 +11,7 @@ from volviz.annotations.subject import Floats, Subject, subject_of
 from volviz.custom_gl.resolve import ResolvedSpec, Volumes
 from volviz.custom_gl.scene_techniques import current_settings, faced
 from volviz.kernels.slices import crop_corners, slice_polygons
+from volviz.measure.readings import words_beside
 from volviz.model.cursor import cursor_of
 from volviz.model.scene import Scene
 from volviz.volume_data.volume import Volume
@@ -37,9 +38,19 @@ def subject_of_view(scene: Scene, view: int, shown: ResolvedSpec, volumes: Volum
     volumes : mapping of VolumeKey to Volume
         What the layers of the scene show.
     """
+    subject, facing = replace(subject_of(shown, volumes), facing=faced(scene, view)), faced(scene, view)
     layer = scene.layer
-    lines = () if layer is None else plane_lines(scene, volumes[layer.key], view)
-    return replace(subject_of(shown, volumes), lines=lines, facing=faced(scene, view))
+    if layer is None:
+        return subject
+    volume = volumes[layer.key]
+    plane = None
+    if facing is not None:
+        # what lies within half a voxel of a plane lies in it
+        normal = np.asarray(facing[0])
+        reach = 0.5 / float(np.abs(volume.world_to_index[:3, :3] @ normal).max())
+        plane = (cursor_of(scene, volume), facing[0], 1.001 * reach)
+    measured = tuple((each, words_beside(each, volume)) for each in scene.measurements)
+    return replace(subject, lines=plane_lines(scene, volume, view), measurements=measured, plane=plane)
 
 
 def plane_lines(scene: Scene, volume: Volume, view: int) -> tuple[tuple[Color, Floats], ...]:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from volviz.custom_gl.resolve import ResolvedSpec, Volumes
 from volviz.model.label_palette import LabelLook
 from volviz.model.layers import ImageLayer, LabelLayer, volume_of
+from volviz.model.measurements import Measurement
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.first_look import grey_window
 from volviz.model.transfer.function import TransferFunction
@@ -69,6 +70,10 @@ class Subject:
         Direction towards the viewer, and up, where a plane is faced.
     lines : tuple of (colour, ndarray of shape (N, 3))
         World points, joined by lines, of the planes of other views.
+    measurements : tuple of (Measurement, str)
+        What is measured and marked, each with the words that stand beside it.
+    plane : (point, normal, float) or None
+        Where a plane is faced, a point of it, its normal, and how far from it things still lie in it, in world units.
     note : str
         A line at the lower edge.
     """
@@ -80,6 +85,8 @@ class Subject:
     legend: tuple[tuple[str, Color], ...] = ()
     facing: tuple[Vector, Vector] | None = None
     lines: tuple[tuple[Color, Floats], ...] = ()
+    measurements: tuple[tuple[Measurement, str], ...] = ()
+    plane: tuple[Vector, Vector, float] | None = None
     note: str = ""
 
     @property

@@ -17,6 +17,7 @@ from volviz.commands.layers import (
     layers_of_options,
     single_channel,
 )
+from volviz.commands.picture_report import write_report
 from volviz.commands.slices import add_plane_options, asks_for_slice, plane_values, slicing_technique
 from volviz.errors import InputError, VolvizError
 from volviz.model.picture import SWITCHES, PictureContents
@@ -53,6 +54,8 @@ def add_commands(commands: Any) -> None:
     add_look_options(parser)
     add_plane_options(parser)
     add_contents_options(parser)
+    parser.add_argument("--report", metavar="FILE.json",
+                        help="write which level and bricks of a large volume the picture shows")  # fmt: skip
     parser.set_defaults(run=run)
 
 
@@ -237,7 +240,7 @@ def draw(
         else:
             dtype: Any = "float32" if output.suffix.lower() == ".npy" else "uint8"
             image, shapes = renderer.draw(spec, view, dtype=dtype, contents=contents), ()
-        notice = renderer.notice
+        notice, bricks = renderer.notice, renderer.bricks
     seconds = time.perf_counter() - begin
     session = None
     if carries(output) and not options.no_session:
@@ -255,6 +258,8 @@ def draw(
         print(f"note: {notice}")
     if options.methods:
         print(methods_sentence(resolve(spec), camera, size))
+    if options.report:
+        write_report(Path(options.report).expanduser(), layers, bricks, seconds)
 
 
 def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:

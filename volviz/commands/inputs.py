@@ -39,6 +39,10 @@ def add_hints(parser: argparse.ArgumentParser, *, several_channels: bool = False
     hints.add_argument("--endian", choices=("little", "big"), help="byte order of raw values")
     hints.add_argument("--header", type=int, help="bytes before the first raw value")
     hints.add_argument("--spacing", metavar="X,Y,Z", help="distance of voxels, instead of the file's")
+    hints.add_argument(
+        "--orientation", metavar="LPS", help="where the axes of the voxels lead, instead of the file's"
+    )
+    hints.add_argument("--length-unit", metavar="UNIT", help="unit of lengths, instead of the file's")
     hints.add_argument("--time", type=int, help="time point, from 0")
     if several_channels:
         hints.add_argument(
@@ -95,7 +99,17 @@ def hints_of(options: argparse.Namespace) -> dict[str, Any]:
             hints[name] = numbers(text, name, kind)
     if getattr(options, "box", None) is not None:
         hints["box"] = numbers(options.box, "box", int, 6)
-    for name in ("dtype", "endian", "header", "time", "channel", "level", "series"):
+    for name in (
+        "orientation",
+        "length_unit",
+        "dtype",
+        "endian",
+        "header",
+        "time",
+        "channel",
+        "level",
+        "series",
+    ):
         value = getattr(options, name, None)
         if value is not None:
             hints[name] = value

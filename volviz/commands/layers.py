@@ -68,7 +68,7 @@ def layers_of_options(
     if chosen:
         found = [_channel_layer(source, number, look, time) for number, look in chosen]
     else:
-        found = [ImageLayer(source, function(options, source.read(time=time)), time=time)]
+        found = [ImageLayer(source, function(options, source.read_fitting(time)), time=time)]
     return (*found, *(_file_layer(text, time) for text in options.layers))
 
 
@@ -88,7 +88,7 @@ def _channel_layer(source: VolumeSource, channel: int | str, look: str, time: in
     from volviz.model.layers import ImageLayer
 
     number = source.channel_number(channel)
-    volume = source.read(time=time, channel=number)
+    volume = source.read_fitting(time, number)
     known = source.channels[number]
     if look:
         function = named_look(look, volume)
@@ -111,7 +111,7 @@ def _file_layer(text: str, time: int) -> ImageLayer | LabelLayer:
     time = time if source.sizes.get("t", 1) > 1 else 0
     if look == LABELS or (not look and source.is_labels):
         return LabelLayer(source, time=time)
-    return ImageLayer(source, named_look(look, source.read(time=time)) if look else None, time=time)
+    return ImageLayer(source, named_look(look, source.read_fitting(time)) if look else None, time=time)
 
 
 def file_of(text: str) -> str:

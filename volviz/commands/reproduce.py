@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from volviz.commands.progress import ProgressLine
 from volviz.errors import InputError
@@ -63,8 +64,11 @@ def run(options: argparse.Namespace) -> int:
             output,
             progress=lambda fraction: line.show(fraction, "drawing"),
         )
-    write_composition(composition, output, session_with(scene, picture, output))
-    print(f"{output}: {picture.size[0]} x {picture.size[1]}, {_compared(source, composition.image())}")
+    before = _pixels(source)
+    alpha = before.shape[2] == 4
+    write_composition(composition, output, session_with(scene, picture, output), alpha=alpha)
+    compared = _compared(source.name, before, composition.image(alpha=alpha))
+    print(f"{output}: {picture.size[0]} x {picture.size[1]}, {compared}")
     for changed in volumes.changed(scene):
         print(f"note: {changed} has changed since the picture was made.")
     return 0
@@ -82,16 +86,20 @@ def _with_volume(scene: Scene, file: str) -> Scene:
     return replace(scene, layers=tuple(layers))
 
 
-def _compared(source: Path, image: Any) -> str:
-    """How far the picture is from the one that it was made from, in words."""
+def _pixels(source: Path) -> npt.NDArray[np.uint8]:
+    """The picture that is drawn again, shape (H, W, 3 or 4)."""
     from PIL import Image
 
     with Image.open(source) as picture:
-        before = np.asarray(picture.convert("RGBA" if image.shape[2] == 4 else "RGB")).astype(int)
+        return np.asarray(picture.convert("RGBA" if "A" in picture.getbands() else "RGB"))
+
+
+def _compared(name: str, before: npt.NDArray[np.uint8], image: npt.NDArray[np.uint8]) -> str:
+    """How far the picture is from the one that it was made from, in words."""
     if before.shape != image.shape:
-        return f"not {before.shape[1]} x {before.shape[0]} as {source.name}"
-    difference = np.abs(before - image).max(axis=2)
+        return f"not {before.shape[1]} x {before.shape[0]} as {name}"
+    difference = np.abs(before.astype(int) - image).max(axis=2)
     if not difference.any():
-        return f"equal to {source.name} to the bit"
+        return f"equal to {name} to the bit"
     share = np.count_nonzero(difference) / difference.size
-    return f"differs from {source.name} in {100 * share:.3g} % of the pixels, by at most {difference.max()} of 255"
+    return f"differs from {name} in {100 * share:.3g} % of the pixels, by at most {difference.max()} of 255"

@@ -79,7 +79,7 @@ def _words(shown: DistanceImages, unit: str) -> str:
             "triangles along other diagonals."
         )
     else:
-        words = f"Largest distance: {shown.largest:.3g} {unit}."
+        words = f"Largest distance, the larger one of both ways (Hausdorff): {shown.largest:.4g} {unit}."
     if shown.is_signed:
         return f"{words} Red lies outside of the other surface, blue inside, pale on it."
     return f"{words} Without a sign: the triangles of one surface do not agree on which side is outside."

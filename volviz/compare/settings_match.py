@@ -12,11 +12,11 @@ from volviz.model.parameters import make_settings, setting_values
 from volviz.model.scene import Scene
 
 
-def match_second(scene: Scene, first: int, second: int) -> Scene:
+def match_second(scene: Scene, first: int, second: int, *, keeps_first: bool = False) -> Scene:
     """The scene with the settings of one view given to another wherever both have them.
 
-    A value that the other technique does not take is left as it is there. What one of the two can do in one way only
-    (VTK's mappers), the other one follows.
+    A value that the other technique does not take is left as it is there. What the second one can do in one way only
+    (VTK's mappers), the first one follows, unless it is to be kept as it is.
     """
     ours, theirs = current_technique(scene, first), current_technique(scene, second)
     given = follow(ours.id, setting_values(current_settings(scene, first)), theirs.id)
@@ -28,7 +28,8 @@ def match_second(scene: Scene, first: int, second: int) -> Scene:
             except SettingError:
                 continue
     values = follow(theirs.id, values, ours.id)
-    for view, info, wanted in ((first, ours, given), (second, theirs, values)):
+    sides = ((first, ours, given), (second, theirs, values))
+    for view, info, wanted in sides[int(keeps_first) :]:
         settings = make_settings(info.settings, wanted, owner=info.id)
         changed = scene.views[view].with_settings(info.id, settings)
         if settings != current_settings(scene, view):

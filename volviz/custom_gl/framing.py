@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,7 @@ from volviz.kernels.gradient import gradient_magnitude
 from volviz.model.camera import Camera
 from volviz.model.transfer.function import TransferFunction
 from volviz.model.transfer.tables import baked
+from volviz.volume_data.large_volume import at_finest
 from volviz.volume_data.scalars import BRICK, bricks_of, gradient_bricks_of
 from volviz.volume_data.vectors import Vector
 from volviz.volume_data.volume import Volume
@@ -71,7 +73,9 @@ def default_camera(
         across, upwards = (float(np.ptp(volume.corners @ axis)) for axis in _screen_axes(camera))
         scale = max(upwards, across * size[1] / size[0]) / (2 * FILL)
         return replace(camera, parallel=True, parallel_scale=scale)
-    points = volume.corners if transfer_function is None else visible_points(volume, transfer_function)
+    points = (
+        at_finest(volume).corners if transfer_function is None else visible_points(volume, transfer_function)
+    )
     return camera_around(points, size, azimuth, elevation)
 
 
@@ -136,16 +140,30 @@ def visible_points(volume: Volume, transfer_function: TransferFunction) -> npt.N
     ndarray of shape (N, 3)
         Outermost visible voxels of a small volume, corners of the visible bricks of a larger one.
     """
-    index = (
+    index: npt.NDArray[Any] = (
         _voxels(volume, transfer_function)
         if volume.array.size <= SMALL
         else _bricks(volume, transfer_function)
     )
+    finest = at_finest(volume)
     if len(index) == 0:
-        return volume.corners
+        return finest.corners
     matrix = volume.index_to_world
+    if finest is not volume:
+        # what is seen up to the border is seen up to that of the finest level, which lies a little farther out
+        last = np.array(volume.dimensions) - 1
+        inside = np.clip(_indices_in(finest, index @ matrix[:3, :3].T + matrix[:3, 3]), 0, None)
+        end = np.array(finest.dimensions) - 1
+        index = np.where(index == 0, 0.0, np.where(index == last, end, np.minimum(inside, end)))
+        matrix = finest.index_to_world
     points: npt.NDArray[np.float64] = index @ matrix[:3, :3].T + matrix[:3, 3]
     return points
+
+
+def _indices_in(volume: Volume, world: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """World positions, shape (N, 3), as continuous indices (i, j, k)."""
+    matrix = volume.world_to_index
+    return np.asarray(world @ matrix[:3, :3].T + matrix[:3, 3])
 
 
 def _voxels(volume: Volume, transfer_function: TransferFunction) -> npt.NDArray[np.int64]:

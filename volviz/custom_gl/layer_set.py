@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -98,6 +99,31 @@ class ResolvedLabels:
         )
 
 
+def seen_from(function: TransferFunction, value_range: tuple[float, float]) -> float:
+    """The lowest value at which a function reaches half of its largest opacity, in data units: where matter begins.
+
+    Parameters
+    ----------
+    function : TransferFunction
+        In data units; of regions over value and gradient the curve counts.
+    value_range : tuple of 2 floats
+        Within which it is looked for.
+
+    Returns
+    -------
+    float
+        Infinity where nothing is visible.
+    """
+    low, high = function.table_range(value_range)
+    table = function.bake((low, high), 4096)[:, 3].astype(np.float64)
+    half = 0.5 * float(table.max())
+    if half == 0.0:
+        return math.inf
+    i = int(np.argmax(table >= half))
+    part = float(i) if i == 0 else i - 1 + (half - table[i - 1]) / (table[i] - table[i - 1])
+    return float(low + (high - low) * part / (len(table) - 1))
+
+
 @lru_cache(maxsize=64)
 def _written(function: TransferFunction) -> str:
     return repr(function)
@@ -145,11 +171,11 @@ def visible_layers(
 def resolved_labels(layer: LabelLayer, volumes: Mapping[VolumeKey, Volume]) -> ResolvedLabels:
     """A layer of labels with its choices made; colours that it does not name are those of its file."""
     read = volume_of(layer, volumes)
-    colors = dict(layer.colors)
+    colors = layer.colors
     if isinstance(layer.volume, VolumeSource):
         known = {label.number: label.color for label in layer.volume.labels if label.color is not None}
-        colors = known | colors
-    look = LabelLook(tuple(sorted(colors.items())), layer.hidden, layer.opacity)
+        colors = tuple(sorted((known | dict(colors)).items()))
+    look = LabelLook(colors, layer.hidden, layer.opacity, layer.opacities)
     placed = read if layer.transform is None else read.moved(layer.transform)
     return ResolvedLabels(placed, ShownLabels(look, layer.smooth), layer.mode)
 

@@ -14,9 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.settings import CommonSettings
+from volviz.model.label_palette import LabelLook
 from volviz.model.transfer.function import TransferFunction
 from volviz.reference.rays import box_interval, index_limits, plane_interval
 from volviz.reference.surface_pick import PixelRay, surface_on_ray, values_at
+from volviz.volume_data.label_indices import label_indices_of
 from volviz.volume_data.volume import Volume
 
 Float64Array = npt.NDArray[np.float64]
@@ -44,6 +46,8 @@ class Picked(NamedTuple):
         The isovalue of the surface that was hit; None where the image shows no isosurface.
     volume : Volume or None
         Of several layers, the one that is seen; `voxel` is one of its voxels.
+    label : int or None
+        The label whose surface was hit; `value` is the same number.
     """
 
     position: Vector
@@ -51,6 +55,7 @@ class Picked(NamedTuple):
     value: float
     isovalue: float | None = None
     volume: Volume | None = None
+    label: int | None = None
 
 
 @dataclass(frozen=True)
@@ -161,6 +166,29 @@ def first_visible(sight: Sight) -> Picked | None:
     if gathered[-1] < FAINTEST:
         return None
     return sight.picked(t[int(np.searchsorted(gathered, SEEN * gathered[-1]))])
+
+
+def first_label(sight: Sight, look: LabelLook) -> Picked | None:
+    """The first label along the ray that is shown; its surface is met within half a voxel."""
+    interval = sight.interval()
+    if interval is None:
+        return None
+    near, far = interval
+    count = int(np.ceil(SAMPLES_PER_VOXEL * (far - near) / min(sight.volume.spacing))) + 1
+    t = near + (np.arange(count) + 0.5) * (far - near) / count
+    known = label_indices_of(sight.volume)
+    last = np.array(sight.volume.dimensions) - 1
+    i, j, k = np.clip(np.rint(sight.indices(t)), 0, last).astype(np.intp).T
+    rows = known.indices[k, j, i]
+    shown = look.palette(known.labels)[:, 3] > 0.0
+    hits = np.flatnonzero(shown[rows])
+    if not len(hits):
+        return None
+    first = int(hits[0])
+    label = int(known.labels[rows[first]])
+    x, y, z = (float(v) for v in sight.point(t[first]))
+    voxel = int(i[first]), int(j[first]), int(k[first])
+    return Picked((x, y, z), voxel, float(label), None, sight.volume, label)
 
 
 def surface(

@@ -17,6 +17,7 @@ from volviz.custom_gl.layer_set import (
     ResolvedLayer,
     resolved_labels,
     resolved_layer,
+    seen_from,
     visible_layers,
 )
 from volviz.custom_gl.registry import technique as technique_info
@@ -31,6 +32,9 @@ from volviz.model.light import Light, default_position
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.boxes import between_levels
+from volviz.volume_data.finer_levels import levels_behind
+from volviz.volume_data.large_volume import at_finest
 from volviz.volume_data.references import VolumeKey
 from volviz.volume_data.volume import Volume
 
@@ -120,8 +124,33 @@ class ResolvedSpec:
 
     @cached_property
     def isovalues(self) -> tuple[float, ...]:
-        """Values of the isosurfaces that the technique shows, in data units; empty where it shows none."""
+        """Values of the isosurfaces that the technique shows, in data units; empty where it shows none.
+
+        Of several layers they are those of the first one that is seen.
+        """
+        if self.is_joint and self.info.isovalue_setting:
+            return next((self.isovalues_of(layer) for layer in self.layers if self.leads(layer)), ())
         return self.info.isovalues(self.settings, self.volume)
+
+    def leads(self, layer: ResolvedLayer | ResolvedLabels) -> bool:
+        """Whether a layer is the first one that is seen, which settings of isosurfaces and the crop box mean."""
+        return (
+            isinstance(layer, ResolvedLayer)
+            and layer.mode == "add"
+            and layer.volume is self.volume
+            and layer.transfer_function is self.transfer_function
+        )
+
+    def isovalues_of(self, layer: ResolvedLayer | ResolvedLabels) -> tuple[float, ...]:
+        """Values of the isosurfaces of one of several layers, in data units.
+
+        Those that are set belong to the first one; the others show where their functions begin to be seen.
+        """
+        if not self.info.isovalue_setting or not isinstance(layer, ResolvedLayer):
+            return ()
+        if self.leads(layer) and getattr(self.settings, self.info.isovalue_setting) is not None:
+            return self.info.isovalues(self.settings, layer.volume)
+        return (seen_from(layer.transfer_function, layer.volume.range),)
 
     @property
     def unit_distance(self) -> float:
@@ -131,12 +160,22 @@ class ResolvedSpec:
     def unit_distance_of(self, volume: Volume) -> float:
         """The same for the function of another layer."""
         chosen = self.common.opacity_unit_distance
-        return volume.mean_spacing if chosen is None else float(chosen)
+        if chosen is None:
+            # of the finest level, or the picture would depend on how much memory there is
+            finer = levels_behind(volume)
+            return volume.mean_spacing if finer is None else sum(finer.levels[0].spacing) / 3.0
+        return float(chosen)
 
     @property
     def volumes(self) -> tuple[Volume, ...]:
         """The data of all layers that are drawn; rays are given in texture coordinates of the first one."""
         return tuple(layer.volume for layer in self.all_layers)
+
+    @cached_property
+    def drawn_volume(self) -> Volume:
+        """On whose lattice rays are given: of the first volume, or of its finest level where that is read in bricks."""
+        first = self.volumes[0]
+        return at_finest(first) if self.info.draws_bricks and not self.is_joint else first
 
     @property
     def all_layers(self) -> tuple[ResolvedLayer | ResolvedLabels, ...]:
@@ -185,7 +224,13 @@ class ResolvedSpec:
 
     @cached_property
     def drawn_crop(self) -> Crop:
-        """Box around what is shown, in continuous voxel indices of the first volume that is drawn."""
+        """Box around what is shown, in continuous voxel indices of `drawn_volume`."""
+        finest, finer = self.drawn_volume, levels_behind(self.volumes[0])
+        if finer is not None and finest is not self.volumes[0]:
+            if self.clipping.crop is None:
+                return Clipping().crop_within(finest.dimensions)
+            extent = between_levels(self.crop, finer.levels[finer.held_level], finer.levels[0])
+            return Clipping(extent).crop_within(finest.dimensions)
         return self.crop if self.is_one_lattice else joint_crop(self.volumes)
 
     @cached_property
@@ -198,7 +243,7 @@ class ResolvedSpec:
     @cached_property
     def box_corners(self) -> npt.NDArray[np.float64]:
         """World corners of the box around what is shown, shape (8, 3); bit 0 of the row is x, bit 1 y, bit 2 z."""
-        first = self.volumes[0]
+        first = self.drawn_volume
         return crop_corners(first.index_to_world, self.drawn_crop, first.dimensions)
 
     @property
@@ -283,7 +328,8 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
     return ResolvedSpec(
         spec=spec,
         layers=tuple(sorted(layers, key=lambda layer: layer.place_in_order)),
-        labels=tuple(sorted(labels, key=lambda layer: layer.place_in_order)),
+        # one alone need not be written out for its place: it may have a hundred thousand labels
+        labels=tuple(sorted(labels, key=lambda layer: layer.place_in_order) if len(labels) > 1 else labels),
         volume=volume,
         info=info,
         settings=settings,

@@ -22,7 +22,7 @@ from volviz.model.slice_plane import NAMED_PLANES
 from volviz.model.store import Store
 from volviz.model.surface_values import DistanceColoring
 from volviz.model.transfer.first_look import grey_window
-from volviz.model.view_edits import with_comparison
+from volviz.model.view_edits import with_comparison, with_views
 from volviz.volume_data.vectors import Vector
 from volviz.volume_data.volume import Volume
 
@@ -84,6 +84,24 @@ def with_slices(scene: Scene, layout: Layout) -> Scene:
     ]  # fmt: skip
     views = (first, *(replace(view, technique=info.id) for view in slices))
     return replace(with_comparison(scene, mode="side_by_side"), views=views, active=0, layout=layout)
+
+
+def with_various_views(scene: Scene, count: int) -> Scene:
+    """The scene with so many views; where there are more than two, each new one has a technique that no other has.
+
+    They come in the order of the list, after that of the active view.
+    """
+    there = len(scene.views)
+    changed = with_views(scene, count)
+    if count <= 2:
+        return changed
+    order = [info.id for info in drawing_techniques() if info.facing is None]
+    used = [view.technique for view in changed.views[: max(there, 1)]]
+    start = order.index(used[-1]) + 1 if used[-1] in order else 0
+    free = [ident for ident in (*order[start:], *order[:start]) if ident not in used]
+    for number, ident in zip(range(there, count), free, strict=False):
+        changed = changed.with_view(number, technique=ident)
+    return changed
 
 
 def with_window_moved(scene: Scene, volume: Volume, view: int, wider: float, higher: float) -> Scene:

@@ -105,6 +105,9 @@ class TechniqueInfo:
         It is an oracle itself: its frame times say nothing, and everything is compared with it.
     draws_layers : bool
         It draws several layers in one ray integral (`Frame.layers`).
+    draws_bricks : bool
+        It reads scalars by the hook ``fetch`` alone, so that they may come from bricks of several levels
+        (`volviz.custom_gl.gpu.brick_resources`).
     samples_rays : bool
         It gathers samples along rays, or in slices across them, as `volviz.reference.ray_profile` does with its
         settings.
@@ -139,6 +142,7 @@ class TechniqueInfo:
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False
     draws_layers: bool = False
+    draws_bricks: bool = False
     samples_rays: bool = False
     view_slices: Callable[[Any, Matrix, Matrix, float], tuple[float, float, int]] | None = None
 
@@ -307,6 +311,8 @@ class Frame:
         How the volume joins other layers (`volviz.ImageLayer`).
     labels : ShownLabels or None
         Of a layer of labels, how it is drawn.
+    leads : bool
+        Of one of several layers, whether it is the first that is seen, which settings of isosurfaces mean.
     joined_to : Frame or None
         Of one of several layers, the frame of all: it says the step and from where surfaces are seen.
     """
@@ -341,6 +347,7 @@ class Frame:
     joint: LayerResources | None = None
     mode: LayerMode = "add"
     labels: ShownLabels | None = None
+    leads: bool = False
     joined_to: Frame | None = None
 
     @property

@@ -13,9 +13,11 @@ import numpy as np
 
 from volviz.errors import InputError, LoadError
 from volviz.io.axes import are_colours, to_zyx
+from volviz.io.geometry import Geometry
 from volviz.io.memory import free_bytes, free_in_words
 from volviz.io.resampling import Rectangular
 from volviz.volume_data.description import Channel, Description, Label, Level, Statistics
+from volviz.volume_data.orientation import direction_of
 from volviz.volume_data.references import content_id
 from volviz.volume_data.source import ReadRequest, VolumeSource
 from volviz.volume_data.volume import (
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.io.entries import Entry
-    from volviz.io.geometry import Geometry
     from volviz.io.reader import LoadOptions, LoadRequest
 
 _COLOURS = (
@@ -220,6 +221,10 @@ def file_source(
     if is_colour:
         channels = _COLOURS[:count]
     dimensions = sizes["X"], sizes["Y"], sizes.get("Z", 1)
+    if hints.orientation is not None:
+        coarser = [(each, _turned(own, geometry, hints.orientation)) for each, own in coarser]
+        geometry = _turned(geometry, geometry, hints.orientation)
+    length_unit = length_unit if hints.length_unit is None else hints.length_unit
     shear = shear_of(np.asarray(geometry.direction, np.float64).reshape(3, 3))
     if shear > SHEAR_LIMIT and min(dimensions) > 1:
         upright = Rectangular.around(dimensions, geometry)
@@ -258,6 +263,14 @@ def file_source(
         },
     )  # fmt: skip
     return FileSource(load, description, values, entries, is_rescaled=is_rescaled)
+
+
+def _turned(own: Geometry, finest: Geometry, code: str) -> Geometry:
+    """A level with the axes of an orientation code, around the first voxel of the finest one."""
+    away = np.linalg.solve(np.reshape(finest.direction, (3, 3)), np.subtract(own.origin, finest.origin))
+    turned = direction_of(code)
+    x, y, z = (float(v) for v in np.asarray(finest.origin) + turned @ away)
+    return Geometry(own.spacing, (x, y, z), tuple(float(v) for v in turned.flat))
 
 
 def _level(

@@ -138,9 +138,10 @@ def load(
     Cancelled
     """
     source = open(path, progress=progress, cancel=cancel, **hints)
-    if level is None:
-        level = source.default_level if box is None else 0
-    volume = source.read(level, time, channel, box, cancel, progress)
+    if level is None and box is None:
+        volume = source.read_fitting(time, channel, cancel, progress)
+    else:
+        volume = source.read(level or 0, time, channel, box, cancel, progress)
     LoadRequest(Path(path), progress=progress, cancel=cancel).report(1.0, "ready")
     return volume
 

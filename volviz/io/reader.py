@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from volviz.errors import Cancelled, InputError, LoadError
+from volviz.volume_data.orientation import checked_orientation
 from volviz.volume_data.references import SAMPLE_PREFIX
 
 if TYPE_CHECKING:
@@ -66,6 +67,11 @@ class LoadOptions:
         Bytes before the values of a raw file; -1 = the values are the last bytes of the file. Default 0.
     spacing, origin : tuple of 3 floats
         Replace what the file says about spacing and origin, (x, y, z) in world units.
+    orientation : str
+        Where the axes i, j, k of the voxels lead, a letter each, in the place of the directions in the file:
+        "L" or "R", "A" or "P", "S" or "I" of a patient, each axis once; "LPS" is the world's +x, +y, +z.
+    length_unit : str
+        Replaces the unit of lengths; their numbers stay.
     unit, name : str
         Replace unit of the values and name of the volume.
     series : str or int
@@ -82,6 +88,8 @@ class LoadOptions:
     header: int | None = None
     spacing: tuple[float, float, float] | None = None
     origin: tuple[float, float, float] | None = None
+    orientation: str | None = None
+    length_unit: str | None = None
     unit: str | None = None
     name: str | None = None
     series: str | int | None = None
@@ -108,6 +116,8 @@ class LoadOptions:
             raise InputError(f"header must be an integer, got {values['header']!r}.")
         if "endian" in values and values["endian"] not in ("little", "big"):
             raise InputError(f"endian must be 'little' or 'big', got {values['endian']!r}.")
+        if "orientation" in values:
+            values["orientation"] = checked_orientation(values["orientation"])
         return cls(**values)
 
 

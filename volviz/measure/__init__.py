@@ -8,6 +8,7 @@ where it is known how well they are known: the functions of `volviz.measure.poin
 from __future__ import annotations
 
 from volviz.measure.areas import Area, LayerStatistics, area, ellipse
+from volviz.measure.label_table import label_statistics
 from volviz.measure.lengths import angle, distance, polyline
 from volviz.measure.points import isovalue_point, label_point, maximum_point, opacity_point
 from volviz.measure.profiles import Profile, profile
@@ -29,6 +30,7 @@ __all__ = [
     "isosurface_volume",
     "isovalue_point",
     "label_point",
+    "label_statistics",
     "label_volumes",
     "maximum_point",
     "opacity_point",

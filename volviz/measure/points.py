@@ -324,7 +324,7 @@ def _crossing(values: Values, near: float, far: float, isovalue: float, step: fl
         return None
     low, high = float(places[changes[0]]), float(places[changes[0] + 1])
     state = bool(inside[changes[0]])
-    for _ in range(40):
+    for _ in range(20):
         middle = (low + high) / 2
         if bool(values(np.array([middle]))[0] >= isovalue) == state:
             low = middle

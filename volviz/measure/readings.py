@@ -6,11 +6,14 @@ import csv
 import io
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from volviz.errors import InputError
 from volviz.measure.areas import Area, area, ellipse
 from volviz.measure.lengths import angle, distance, polyline
 from volviz.measure.noise import noise_of
@@ -21,6 +24,10 @@ from volviz.volume_data.volume import Volume
 
 Readings = Mapping[str, Measured]
 """From what is measured, in words, to the number; the first one is the main one."""
+
+#: Measurements whose numbers are remembered for a volume.
+MOST_KNOWN = 256
+_known: WeakKeyDictionary[Volume, dict[Measurement, Readings]] = WeakKeyDictionary()
 
 
 def readings(measurement: Measurement, volumes: Sequence[Volume] = ()) -> Readings:
@@ -62,6 +69,31 @@ def readings(measurement: Measurement, volumes: Sequence[Volume] = ()) -> Readin
             }
         case _:
             return {}
+
+
+def words_beside(measurement: Measurement, volume: Volume) -> str:
+    """What stands beside a measurement in a picture: its number, its name where somebody gave it one.
+
+    Points and arrows have their name; a point has the value there as well.
+    """
+    named = not re.fullmatch(rf"{measurement.kind.capitalize()} \d+", measurement.name)
+    if measurement.kind == "arrow":
+        return measurement.name
+    try:
+        found = str(next(iter(known_readings(measurement, volume).values()), ""))
+    except InputError:
+        return measurement.name
+    return f"{measurement.name}: {found}" if named and found else found or measurement.name
+
+
+def known_readings(measurement: Measurement, volume: Volume) -> Readings:
+    """`readings` in one volume, found once for as long as that volume lives."""
+    known = _known.setdefault(volume, {})
+    if measurement not in known:
+        if len(known) >= MOST_KNOWN:
+            known.clear()
+        known[measurement] = readings(measurement, [volume])
+    return known[measurement]
 
 
 def value_at(point: Point, volume: Volume) -> Measured | None:

@@ -45,11 +45,14 @@ class LabelLook:
         Labels that are not shown; nor is 0.
     opacity : float
         Of the others, 0..1.
+    opacities : tuple of (label, float)
+        Factors on that of single labels, 0..1.
     """
 
     colors: tuple[tuple[int, Color], ...] = ()
     hidden: tuple[int, ...] = ()
     opacity: float = 1.0
+    opacities: tuple[tuple[int, float], ...] = ()
 
     def palette(self, labels: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
         """Colour and opacity of each label, shape (n, 4).
@@ -65,6 +68,9 @@ class LabelLook:
         if self.colors:
             place, known = _places(labels, [label for label, _ in self.colors])
             palette[place[known], :3] = np.array([color for _, color in self.colors], np.float32)[known]
+        if self.opacities:
+            place, known = _places(labels, [label for label, _ in self.opacities])
+            palette[place[known], 3] *= np.array([factor for _, factor in self.opacities], np.float32)[known]
         if self.hidden:
             place, known = _places(labels, self.hidden)
             palette[place[known], 3] = 0.0

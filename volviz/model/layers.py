@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from types import MappingProxyType
@@ -135,6 +135,8 @@ class LabelLayer:
         What people call them.
     hidden : iterable of int
         Labels that are not shown.
+    opacities : mapping from label to float, optional
+        Factors on the opacity of single labels, 0..1; that of the others is 1.
     smooth : bool
         Surfaces pass where the interpolated indicator of a label is one half, instead of along voxels.
     mode : {"add", "mask"}
@@ -152,6 +154,7 @@ class LabelLayer:
     colors: tuple[tuple[int, Color], ...]
     names: tuple[tuple[int, str], ...]
     hidden: tuple[int, ...]
+    opacities: tuple[tuple[int, float], ...]
     smooth: bool
     name: str
     visible: bool
@@ -168,6 +171,7 @@ class LabelLayer:
         names: Mapping[int, str] | Iterable[tuple[int, str]] | None = None,
         hidden: Iterable[int] = (),
         *,
+        opacities: Mapping[int, float] | Iterable[tuple[int, float]] | None = None,
         smooth: bool = True,
         mode: Literal["add", "mask"] = "add",
         name: str = "",
@@ -183,12 +187,10 @@ class LabelLayer:
             self,
             **_shared(volume, name, visible, channel, time, opacity, transform),
             mode=mode,
-            colors=tuple(
-                (label, checked_color(color, f"colour of label {label}"))
-                for label, color in _by_label("colors", colors)
-            ),
-            names=tuple((label, str(text)) for label, text in _by_label("names", names)),
-            hidden=tuple(sorted({_label("hidden", label) for label in hidden})),
+            colors=_by_label("colors", colors, _checked_color_of),
+            names=_by_label("names", names, lambda _label, text: str(text)),
+            hidden=hidden if isinstance(hidden, _Labels) else _Labels(_sorted_labels("hidden", hidden)),
+            opacities=_by_label("opacities", opacities, _checked_opacity_of),
             smooth=bool(smooth),
         )
 
@@ -224,7 +226,7 @@ def volume_of(layer: Layer, volumes: Mapping[VolumeKey, Volume] = _NOTHING_READ)
     """
     volume = layer.volume
     if isinstance(volume, VolumeSource):
-        return volume.read(volume.default_level, time=layer.time, channel=layer.channel)
+        return volume.read_fitting(layer.time, layer.channel)
     if isinstance(volume, Volume):
         if layer.time or layer.channel:
             raise InputError(
@@ -303,8 +305,36 @@ def _transform(transform: npt.ArrayLike) -> Transform:
     return a, b, c, d
 
 
-def _by_label(what: str, values: Any) -> list[tuple[int, Any]]:
-    """Pairs of label and value, sorted by label."""
+class _Pairs(tuple[tuple[int, Any], ...]):
+    """Pairs of label and value that have been checked: a hundred thousand need not be checked at each change."""
+
+    __slots__ = ()
+
+
+class _Labels(tuple[int, ...]):
+    """Labels that have been checked, ascending, each once."""
+
+    __slots__ = ()
+
+
+def _checked_color_of(label: int, color: Any) -> Color:
+    return checked_color(color, f"colour of label {label}")
+
+
+def _checked_opacity_of(label: int, opacity: Any) -> float:
+    if not isinstance(opacity, Real) or not 0.0 <= float(opacity) <= 1.0:
+        raise InputError(f"opacity of label {label} must be from 0 to 1, got {opacity!r}.")
+    return float(opacity)
+
+
+def _sorted_labels(what: str, labels: Iterable[Any]) -> list[int]:
+    return sorted({_label(what, label) for label in labels})
+
+
+def _by_label(what: str, values: Any, check: Callable[[int, Any], Any]) -> _Pairs:
+    """Pairs of label and checked value, sorted by label; what was checked before is taken as it is."""
+    if isinstance(values, _Pairs):
+        return values
     pairs = values.items() if isinstance(values, Mapping) else values or ()
     try:
         found = {_label(what, label): value for label, value in pairs}
@@ -314,7 +344,7 @@ def _by_label(what: str, values: Any) -> list[tuple[int, Any]]:
         raise InputError(
             f"{what} of a layer must be a mapping from label to value, got {values!r}."
         ) from None
-    return sorted(found.items())
+    return _Pairs((label, check(label, value)) for label, value in sorted(found.items()))
 
 
 def _label(what: str, label: Any) -> int:

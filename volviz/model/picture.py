@@ -29,6 +29,8 @@ class PictureContents:
         What lies at the edges of a slice: right and left, front and back, head and feet of a patient.
     cross_hair : bool
         Where the slices of other views lie.
+    measurements : bool
+        What is measured and marked in the scene, with its numbers.
     legend : bool
         Names and colours of labels, and of layers where there are several.
     title : str
@@ -42,6 +44,7 @@ class PictureContents:
     scale: bool = False
     letters: bool = False
     cross_hair: bool = False
+    measurements: bool = False
     legend: bool = False
     title: str = ""
 

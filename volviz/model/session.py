@@ -199,9 +199,9 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         layout=LAYOUTS[LAYOUTS.index(data["layout"])],
         # absent where the session was written before there were several layers to choose from
         active_layer=int(data.get("active_layer", 0)),
-        measurements=tuple(measurement_from_dict(each) for each in data["measurements"]),
         # likewise of time points
         time_range=_time_range(data.get("time_range", "fixed")),
+        measurements=tuple(measurement_from_dict(each) for each in data["measurements"]),
         movie=movie_from_dict(data["movie"], lambda frame: scene_from_dict(frame, settings_of, folder)),
     )
 

@@ -1,8 +1,14 @@
-"""Round numbers for axes, colour bars and scale bars, and how they are written."""
+"""Round numbers for axes, colour bars and scale bars, and how numbers are written for people."""
 
 from __future__ import annotations
 
 import math
+
+#: Between groups of three digits, and between a number and its unit.
+NARROW = "\N{NARROW NO-BREAK SPACE}"
+#: Numbers from here on are written with a power of ten, and those below.
+LARGE, SMALL = 1e8, 1e-3
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def round_values(low: float, high: float, most: int) -> list[float]:
@@ -26,3 +32,21 @@ def value_text(value: float, span: float) -> str:
     if digits > 7 or abs(value) >= 1e7:
         return f"{value:.4g}"
     return f"{value:.{min(digits, 6)}f}".rstrip("0").rstrip(".") if digits else f"{value:.0f}"
+
+
+def number_text(value: float, digits: int = 5) -> str:
+    """A number for people: thousands apart, at most so many digits that count, very large and small ones by powers.
+
+    Whole numbers keep all of their digits up to `LARGE`.
+    """
+    if not math.isfinite(value):
+        return "∞" if value > 0 else "−∞" if value < 0 else "–"
+    size = abs(value)
+    if size >= LARGE or 0.0 < size < SMALL:
+        mantissa, power = f"{value:.{digits - 1}e}".split("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        return f"{mantissa}{NARROW}×{NARROW}10{str(int(power)).translate(_SUPERSCRIPTS)}".replace("-", "−")
+    decimals = max(0, digits - 1 - math.floor(math.log10(size))) if size else 0
+    text = f"{value:,.{decimals}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return text.replace(",", NARROW).replace("-", "−")

@@ -14,6 +14,7 @@ import numpy as np
 
 from volviz.errors import Cancelled, InputError
 from volviz.volume_data.description import Box, Channel, Description, Label, Level, Statistics
+from volviz.volume_data.finer_levels import FinerLevels, tell_levels_behind
 from volviz.volume_data.volume import Volume
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ class VolumeSource(ABC):
     def __init__(self, description: Description) -> None:
         self.description = description
         self._alive: WeakValueDictionary[tuple[int, int, int | None], Volume] = WeakValueDictionary()
+        self._fitting: WeakValueDictionary[tuple[int, int | None], Volume] = WeakValueDictionary()
         self._lock = threading.Lock()
 
     def __repr__(self) -> str:
@@ -216,6 +218,42 @@ class VolumeSource(ABC):
         with self._lock:
             # another thread may have been faster: all get the same object
             return self._alive.setdefault(key, volume)
+
+    def read_fitting(
+        self,
+        time: int | None = None,
+        channel: int | str | None = None,
+        cancel: Cancel | None = None,
+        progress: Progress | None = None,
+    ) -> Volume:
+        """All of one channel at one time point, at the finest level that fits into memory.
+
+        Where there are several levels, techniques that can read the finer ones while they draw.
+
+        Parameters
+        ----------
+        time, channel, cancel, progress
+            As for `read`.
+        """
+        level = self.default_level
+        volume = self.read(level, time, channel, None, cancel, progress)
+        if len(self.levels) < 2 or self.is_labels:
+            return volume
+        _, time_point, number = self._checked(level, time or 0, channel)
+        key = time_point, number
+        with self._lock:
+            fitting = self._fitting.get(key)
+            if fitting is None:
+                fitting = self._fitting[key] = Volume(
+                    volume.array, volume.spacing, volume.origin, volume.direction, unit=volume.unit,
+                    name=volume.name, metadata=volume.metadata,
+                )  # fmt: skip
+
+                def read(level: int, box: Box, cancel: Cancel | None) -> npt.NDArray[Any]:
+                    return self.read(level, time_point, number, box, cancel).array
+
+                tell_levels_behind(fitting, FinerLevels(self.levels, read, volume.array, level))
+        return fitting
 
     @abstractmethod
     def read_volume(self, request: ReadRequest) -> Volume:

@@ -178,6 +178,20 @@ def test_own_presets_are_saved_and_stand_first(editor, store) -> None:
     assert function(store).points == start_function().points
 
 
+def test_the_button_says_which_preset_it_is_and_that_it_was_changed(editor, store, qtbot) -> None:
+    editor.commands.save_as("Mine")
+    assert editor.preset_button.text() == "Mine ▾"
+    taken = function(store)
+    editor.model.apply(taken.shifted(5.0), "shift", ())
+    assert editor.preset_button.text() == "Mine * ▾"
+    assert "changed since" in editor.preset_button.toolTip()
+    editor.show_presets()
+    assert editor.popup.own_list.currentItem().text() == "Mine"
+    editor.popup.close()
+    editor.commands.save_as("Mine")
+    assert editor.preset_button.text() == "Mine ▾"
+
+
 def test_a_preset_can_bring_its_technique_and_settings_in_one_step(editor, store) -> None:
     one = replace(preset("ct-bone"), technique="raycast", settings={"step": 0.25})
     editor.commands.take(one)

@@ -11,12 +11,14 @@ import pytest
 import tifffile
 
 import volviz
-from tests.unit.io.writers import dicom_slice, scalars
+from tests.unit.io import stores
+from tests.unit.io.writers import dicom_slice, itk, rotation, scalars
 from volviz.cli import main
 from volviz.errors import InputError, LoadError
 from volviz.io import info, load
 from volviz.io.file_source import FileSource
 from volviz.volume_data.description import Channel, Statistics
+from volviz.volume_data.orientation import LETTERS, direction_of, orientation_of
 
 MAGENTA, GREEN = (np.arange(256)[None] * np.array(part)[:, None] for part in ((1, 0, 1), (0, 1, 0)))
 
@@ -301,3 +303,32 @@ def test_a_meta_image_may_tell_its_range(tmp_path):
     ):
         (tmp_path / "v.mha").write_bytes(head.format(text).encode() + bytes(range(24)))
         assert volviz.open(tmp_path / "v.mha").statistics() == expected
+
+
+def test_an_orientation_replaces_the_directions_of_the_file_around_its_first_voxel(tmp_path):
+    path = itk(tmp_path / "v.nrrd", scalars((4, 5, 6)), direction=rotation(3))
+    as_it_is, turned = load(path), load(path, orientation="sra", length_unit="µm")
+    np.testing.assert_array_equal(turned.array, as_it_is.array)
+    assert turned.origin == as_it_is.origin
+    assert turned.spacing == as_it_is.spacing
+    assert turned.metadata["length_unit"] == "µm"
+    # i leads upwards, j to the right, k to the front
+    np.testing.assert_allclose(turned.direction, [[0, -1, 0], [0, 0, -1], [1, 0, 0]], atol=1e-12)
+    for code in ("LPX", "LR", "LLS", "LRS", 3):
+        with pytest.raises(InputError, match="three letters such as LPS"):
+            load(path, orientation=code)
+
+
+def test_the_code_nearest_to_directions_names_every_axis_once():
+    for code in ("LPS", "RAS", "SRA", "IPL"):
+        assert orientation_of(direction_of(code)) == code
+    turn = rotation(1)
+    code = orientation_of(turn)
+    assert len({LETTERS[letter][0] for letter in code}) == 3
+
+
+def test_levels_keep_their_places_under_an_orientation(tmp_path):
+    arrays, places = [scalars((8, 8, 8)), scalars((4, 4, 4))], [(0, 0, 0), (0.5, 0.5, 0.5)]
+    path = stores.image(tmp_path / "v", arrays, [(1, 1, 1), (2, 2, 2)], translations=places)
+    fine, coarse = volviz.open(path, orientation="RAS").levels
+    np.testing.assert_allclose(np.subtract(coarse.origin, fine.origin), (-0.5, -0.5, 0.5))

@@ -64,6 +64,15 @@ def test_a_field_without_borders_shows_nested_surfaces() -> None:
     assert list(values) == sorted(values)
 
 
+def test_a_steep_field_shows_one_surface_and_grain_is_no_field() -> None:
+    z, y, x = np.indices((40, 40, 40)) / 39.0
+    ripples = (z + 0.25 * np.sin(40 * x) * np.sin(40 * y)).astype(np.float32)
+    first = best_look(Volume(ripples))
+    assert (first.id, first.technique) == ("surface", "isosurface")
+    grain = np.random.default_rng(0).uniform(-0.2, 0.2, ripples.shape)
+    assert "cloud" not in looks(Volume(ripples + grain))
+
+
 def test_a_mask_shows_its_surface_halfway() -> None:
     first = best_look(Volume(np.where(radius() < 0.5, 7, 0).astype(np.uint8)))
     assert (first.id, first.settings["isovalues"]) == ("surface", (3.5,))

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QMainWindow, QVBoxLayout, QWidget
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.technique import unused_regions
 from volviz.kernels.warm_up import warm_up
+from volviz.model.layers import LabelLayer
 from volviz.model.store import Store
 from volviz.volume_data.references import SAMPLE_PREFIX, is_address
 from volviz.volume_data.volume import Volume
@@ -24,6 +25,7 @@ from volviz_ui.commands.edit import EditCommands
 from volviz_ui.commands.file import FileCommands
 from volviz_ui.commands.help import HelpCommands
 from volviz_ui.commands.looks import LookCommands
+from volviz_ui.commands.measure import MeasureCommands
 from volviz_ui.commands.movie import MovieCommands
 from volviz_ui.commands.picture import PictureCommands
 from volviz_ui.commands.presets import PresetsOfFunction
@@ -37,6 +39,9 @@ from volviz_ui.compare.measurements import Measurements
 from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.reports import Reports
 from volviz_ui.compare.surface_distances import SurfaceDistances
+from volviz_ui.labels.panel import LabelPanel
+from volviz_ui.measuring.panel import MeasurementsPanel
+from volviz_ui.measuring.tool import MeasureTool
 from volviz_ui.movie.maker import MovieMaker
 from volviz_ui.movie.panel import MoviePanel
 from volviz_ui.panels.data import DataPanel
@@ -98,7 +103,7 @@ class MainWindow(QMainWindow):
         # threads of their own: compiling takes seconds, and no file shall wait for it
         self.compilers = Workers(self)
         self.compilers.gate = self.gate
-        self.documents = Documents(self.store, self.workers, self)
+        self.documents = Documents(self.store, self.workers, self, corrections=self.preferences.correction)
         self.setWindowIcon(app_icon())
         self.setWindowTitle("VolViz[*]")
         self.setAcceptDrops(True)
@@ -121,6 +126,7 @@ class MainWindow(QMainWindow):
         self.messages = WindowMessages(self, self.documents, self.views)
         self.docks = Docks(self)
         self.surface = ShownMesh(self.store, self.workers, self)
+        self.measure_tool = MeasureTool(self.store, self.documents, self.views, self)
         self.context = AppContext(
             window=self,
             store=self.store,
@@ -132,6 +138,7 @@ class MainWindow(QMainWindow):
             views=self.views,
             docks=self.docks,
             surface=self.surface,
+            tool=self.measure_tool,
             messages=self.messages,
         )
         self._make_panels()
@@ -152,6 +159,7 @@ class MainWindow(QMainWindow):
         self.transfer_editor = TransferEditor(store, documents, self)
         self.ray_panel = RayPanel(self)
         self.compare_panel = ComparePanel(store, self.compare_commands, self)
+        self.label_panel = LabelPanel(store, documents, workers, self)
         self.crosscheck_panel = CrosscheckPanel(documents, workers, self)
         self.movie_maker = MovieMaker(self.context)
         self.movie_panel = MoviePanel(self.movie_maker, documents, self)
@@ -171,6 +179,15 @@ class MainWindow(QMainWindow):
         docks.add(
             "compare", tr("Compare"), self.compare_panel,
             tr("How two views are compared, and what is measured of them"), ("Ctrl+M",),
+        )  # fmt: skip
+        self.measurements_panel = MeasurementsPanel(store, documents, self)
+        docks.add(
+            "measurements", tr("Measurements"), self.measurements_panel,
+            tr("What was measured and marked, with its numbers"), ("Ctrl+Shift+M",),
+        )  # fmt: skip
+        docks.add(
+            "labels", tr("Labels"), self.label_panel,
+            tr("The labels of a segmentation: show, colour and measure them"), ("Ctrl+B",),
         )  # fmt: skip
         docks.add(
             "crosscheck", tr("Cross-check"), self.crosscheck_panel,
@@ -204,6 +221,9 @@ class MainWindow(QMainWindow):
         self.time_commands = TimeCommands(context)
         self.view_commands = ViewCommands(context, self.look_commands, self.time_commands)
         self.edit_commands = EditCommands(context, self.view_commands)
+        self.measure_commands = MeasureCommands(
+            context, self.measure_tool, self.measurements_panel, self.view_commands
+        )
         self.technique_commands = TechniqueCommands(context)
         self.movie_commands = MovieCommands(context, self.movie_maker)
         self.help_commands = HelpCommands(context, self.commands)
@@ -212,6 +232,7 @@ class MainWindow(QMainWindow):
             self.edit_commands,
             self.view_commands,
             self.technique_commands,
+            self.measure_commands,
             self.compare_commands,
             self.movie_commands,
             self.help_commands,
@@ -251,6 +272,8 @@ class MainWindow(QMainWindow):
         section.cancel_requested.connect(self.surface.cancel)
         section.export_requested.connect(self.file_commands.export_mesh)
         self.data_panel.layers.add_requested.connect(self.file_commands.add_layer)
+        self.data_panel.correction_requested.connect(self.file_commands.show_understood)
+        self.data_panel.layers.labels_requested.connect(self._on_labels_requested)
         self.player.preparation = self.views.preparations
         self.player.failed.connect(self._on_time_failed)
         self.views.drawn.connect(self._on_drawn)
@@ -271,6 +294,10 @@ class MainWindow(QMainWindow):
         self.views.function_drag_ended.connect(
             lambda cancelled: self.transfer_editor.end_shift_stretch(cancel=cancelled)
         )
+        self.pointer.label_clicked.connect(self._on_label_clicked)
+        self.pointer.label_double_clicked.connect(self._on_label_double_clicked)
+        self.label_panel.fly_requested.connect(self.pointer.fly_to)
+        show_value(self.documents, _has_labels, self._show_labels, now=False)
         self.docks["ray"].visibilityChanged.connect(self.ray_inspector.set_active)
         self.ray_inspector.value_pointed.connect(self.transfer_editor.highlight_value)
         self.transfer_editor.value_hovered.connect(self.ray_panel.plot.mark_value)
@@ -326,7 +353,7 @@ class MainWindow(QMainWindow):
         self.messages.status_line.show_technique(label)
 
     def _on_status_changed(self, view: int, status: Any) -> None:
-        if status.complete:
+        if status.complete or (status.bricks is not None and status.resolution >= 1):
             self.gate.open()
         if view == self.views.active.view:
             self.messages.status_line.show_status(status)
@@ -338,6 +365,24 @@ class MainWindow(QMainWindow):
         if status is not None:
             self.messages.status_line.show_status(status)
             self.surface.show_status(status, self.views.active.controller.handle)
+
+    # ------------------------------------------------------------------ labels
+
+    def _show_labels(self, there_are: bool) -> None:
+        if there_are:
+            self.docks.show("labels")
+
+    def _on_labels_requested(self, layer: int) -> None:
+        self.label_panel.show_layer(layer)
+        self.docks.show("labels")
+
+    def _on_label_clicked(self, layer: int, label: int) -> None:
+        self.label_panel.show_layer(layer)
+        self.label_panel.choose(label)
+
+    def _on_label_double_clicked(self, layer: int, label: int) -> None:
+        self._on_label_clicked(layer, label)
+        self.label_panel.fly_to(label)
 
     # ------------------------------------------------------------------ time
 
@@ -419,6 +464,10 @@ class MainWindow(QMainWindow):
         self.views.close_views()
         self.documents.close()
         super().closeEvent(event)
+
+
+def _has_labels(shown: LoadedScene) -> bool:
+    return any(isinstance(layer, LabelLayer) for layer in shown.scene.layers)
 
 
 def _why_no_regions(shown: LoadedScene) -> str:

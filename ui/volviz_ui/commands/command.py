@@ -29,8 +29,8 @@ class State:
     times : int
         Number of time points, 1 for data that stands still.
     shown : frozenset of str
-        What is switched on outside of the scene: annotations, manipulators, "full_screen", "playing", and
-        "panel.<name>" for each open panel.
+        What is switched on outside of the scene: annotations, manipulators, "full_screen", "playing",
+        "panel.<name>" for each open panel, and "tool.<kind>" for what is being measured.
     """
 
     scene: Scene

@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from volviz.compare.settings_match import match_second
 from volviz.custom_gl.framing import visible_points
-from volviz.custom_gl.scene_techniques import counterparts, current_technique
+from volviz.custom_gl.scene_techniques import counterparts, current_technique, with_various_views
 from volviz.model.comparison import Mode
 from volviz.model.scene import Scene
 from volviz.model.view_edits import (
@@ -19,7 +19,6 @@ from volviz.model.view_edits import (
     with_mode,
     with_next_active,
     with_pair_swapped,
-    with_views,
 )
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, State
@@ -106,10 +105,10 @@ class CompareCommands(QObject):
     # ------------------------------------------------------------------ how many
 
     def set_view_count(self, count: int) -> None:
-        """Show one, two or four views; new ones begin as the active one is."""
+        """Show one, two or four views: a second one begins as the active one is, further ones by other techniques."""
         if count != len(self._store.scene.views):
             self._change_views(
-                partial(with_views, count=count),
+                partial(with_various_views, count=count),
                 self.tr("One view") if count == 1 else self.tr("%1 views").replace("%1", str(count)),
             )
 
@@ -142,7 +141,8 @@ class CompareCommands(QObject):
             return
         self._context.docks.show("compare")
         self._change_views(
-            lambda scene: match_second(with_counterpart(scene, other.id), 0, 1), self.tr("Compare with VTK")
+            lambda scene: match_second(with_counterpart(scene, other.id), 0, 1, keeps_first=True),
+            self.tr("Compare with VTK"),
         )
 
     def activate_next(self) -> None:

@@ -22,6 +22,7 @@ from volviz_ui.dialogs.export_mesh import ExportMeshDialog
 from volviz_ui.dialogs.open_address import OpenAddressDialog
 from volviz_ui.dialogs.raw_import import RawImportDialog, is_raw, says_all
 from volviz_ui.dialogs.save_volume import SaveVolumeDialog
+from volviz_ui.dialogs.understood import CORRECTED, UnderstoodDialog
 from volviz_ui.session.mesh_summary import shows_mesh
 from volviz_ui.session.opening import SeveralImages, title_of
 
@@ -66,6 +67,11 @@ class FileCommands(QObject):
                 Command(
                     "file.import_raw", tr("&Import raw file…"), tr("Open a file of bare values; say how to read it"),
                     self.import_raw, icon="file",
+                ),
+                Command(
+                    "file.understood", tr("&What was understood…"),
+                    tr("Axes, spacing and units of the file, to be corrected where they are wrong"),
+                    self.show_understood, enabled=has_volume,
                 ),
                 None,
                 Command(
@@ -229,6 +235,26 @@ class FileCommands(QObject):
             self.ask_how_to_read(path)
         else:
             self._open(path)
+
+    def show_understood(self) -> UnderstoodDialog | None:
+        """Show axes, spacing and units of the active layer's file; they can be corrected."""
+        documents, preferences = self._context.documents, self._context.preferences
+        layer, volume = documents.shown.scene.layer, documents.volume
+        if layer is None or volume is None:
+            return None
+        ref = layer.key.ref
+        dialog = UnderstoodDialog(
+            volume, dict(ref.hints), remembers=bool(preferences.correction(ref)), parent=self._context.window
+        )
+
+        def correct(hints: dict[str, Any], remember: bool) -> None:
+            preferences.set_correction(ref, hints if remember else {})
+            documents.correct(hints, CORRECTED)
+
+        dialog.corrected.connect(correct)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
 
     def ask_how_to_read(self, path: str) -> RawImportDialog:
         """Open the dialog for raw files; the file is opened when it is accepted."""

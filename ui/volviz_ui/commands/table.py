@@ -40,6 +40,7 @@ class CommandTable(QObject):
             dock.toggleViewAction().toggled.connect(self.refresh)
         context.store.changed.connect(self.refresh)
         context.player.changed.connect(self._on_time_changed)
+        context.tool.changed.connect(self.refresh)
 
     def add(self, menu: Menu) -> Menu:
         """Make the commands of a menu."""
@@ -62,6 +63,8 @@ class CommandTable(QObject):
             shown.add("full_screen")
         if context.player.is_playing:
             shown.add("playing")
+        if context.tool.kind is not None:
+            shown.add(f"tool.{context.tool.kind}")
         return State(
             context.store.scene,
             context.store.undo_label,

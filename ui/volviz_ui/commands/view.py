@@ -28,6 +28,7 @@ SHOWN_AT_FIRST = {
     "scale": False,
     "letters": True,
     "cross_hair": True,
+    "measurements": True,
     "legend": False,
     "handles": True,
 }
@@ -72,6 +73,9 @@ class ViewCommands(QObject):
                 ),
                 self._switch("bar", tr("&Colour bar"), tr("Colours of the values, with numbers"), "C"),
                 self._switch("scale", tr("Scal&e bar"), tr("A line of known length, in the corner"), "U"),
+                self._switch(
+                    "measurements", tr("&Measurements"), tr("What was measured and marked, with its numbers"), "Shift+M"
+                ),
                 self._switch(
                     "legend", tr("Le&gend"), tr("Names and colours of labels, and of several layers"), "G"
                 ),

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QCheckBox, QLabel, QPushButton, QSizePolicy, QWidg
 from volviz.compare.distance_colors import DistanceColors
 from volviz.model.comparison import Comparison
 from volviz.model.store import Store
+from volviz.model.ticks import NARROW, number_text
 from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.compare.surface_distances import SurfaceDistances
 from volviz_ui.editors.number import NumberField
@@ -19,8 +20,6 @@ from volviz_ui.widgets.small import quiet_label
 
 LEAST, MOST = 1e-9, 1e9
 """Limits of the scale, in world units."""
-
-NARROW = "\N{NARROW NO-BREAK SPACE}"
 
 
 class DistanceSection(Section):
@@ -120,7 +119,7 @@ class DistanceSection(Section):
 
     def show_found(self, found: DistanceColors, unit: str, sign_requested: bool) -> None:
         """Say what the colours show."""
-        length = f"{found.largest:.3g}{NARROW}{unit}"
+        length = f"{number_text(found.largest, 4)}{NARROW}{unit}"
         if found.are_same:
             self.show_state(self.tr("No distance: the surfaces are the same."))
             return
@@ -138,7 +137,11 @@ class DistanceSection(Section):
                 ).replace("%1", length)
             ]
         else:
-            words = [self.tr("Largest distance: %1.").replace("%1", length)]
+            words = [
+                self.tr("Largest distance, the larger one of both ways (Hausdorff): %1.").replace(
+                    "%1", length
+                )
+            ]
         if found.is_signed:
             words.append(self.tr("Red lies outside of the other surface, blue inside."))
         elif sign_requested:

@@ -60,6 +60,10 @@ class MetricTable(QWidget):
             head.setText(words)
             head.setToolTip(tooltip)
 
+    def set_caption(self, key: str, words: str) -> None:
+        """Name a row anew, with another unit say."""
+        self._captions[key].setText(words)
+
     def set_row(self, key: str, *values: str | None) -> None:
         """Show the values of a row; None is a dash."""
         for label, value in zip(self._values[key], values, strict=True):

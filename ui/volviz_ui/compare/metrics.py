@@ -45,6 +45,8 @@ class PairMetrics:
         None for techniques that draw no mesh.
     distance : SurfaceDistance or None
         Between the meshes, where both sides draw one.
+    length_unit : str
+        Of the volume; empty where nobody knows.
     """
 
     images: ImageMetrics
@@ -52,6 +54,7 @@ class PairMetrics:
     samples: tuple[RaySamples | None, RaySamples | None]
     meshes: tuple[MeshMetrics | None, MeshMetrics | None]
     distance: SurfaceDistance | None
+    length_unit: str = ""
 
 
 class MeshCache:
@@ -156,4 +159,5 @@ def pair_metrics(
         (samples[0], samples[1]),
         (None if one is None else one[1], None if other is None else other[1]),
         distance,
+        str(volume.metadata.get("length_unit", "mm")),
     )

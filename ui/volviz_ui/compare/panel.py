@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import QTimer, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QPushButton, QWidget
 
 from volviz.compare.timing import FrameTimes, ratio
 from volviz.model.store import Store
+from volviz.model.ticks import NARROW, number_text
 from volviz_ui.commands.compare import CompareCommands
 from volviz_ui.compare.convergence_plot import ConvergencePlot, Curve
 from volviz_ui.compare.distance_section import DistanceSection
@@ -23,8 +24,6 @@ from volviz_ui.panels.panel import Panel, Section
 from volviz_ui.widgets.focus_order import set_focus_order
 from volviz_ui.widgets.progress_bar import ProgressBar
 from volviz_ui.widgets.small import quiet_label
-
-NARROW = "\N{NARROW NO-BREAK SPACE}"
 
 
 class ComparePanel(Panel):
@@ -42,6 +41,7 @@ class ComparePanel(Panel):
     def __init__(self, store: Store, commands: CompareCommands, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._several = False
+        self._works = False
         self.look = LookSection(self.tr("Views"), store, commands, self)
         self.distances = DistanceSection(self.tr("Distance of the surfaces"), store, commands, self)
         self.state = quiet_label("", self)
@@ -160,7 +160,14 @@ class ComparePanel(Panel):
                 ("euler", tr("Euler number"), tr("Vertices − edges + triangles: 2 for a ball")),
                 ("open", tr("Open edges"), tr("Edges of one triangle only")),
                 ("parts", tr("Parts"), tr("Connected parts")),
-                ("hausdorff", tr("Hausdorff"), tr("Largest distance from the one surface to the other, and back")),
+                (
+                    "hausdorff",
+                    tr("Largest distance"),
+                    tr(
+                        "From the vertices and middles of the triangles of A to the nearest place of B, and back; the "
+                        "larger one of both is the Hausdorff distance"
+                    ),
+                ),
             ],
             columns=2,
             parent=self,
@@ -223,6 +230,10 @@ class ComparePanel(Panel):
         if fraction is not None:
             self.bar.show_fraction(fraction)
             self.open_button.hide()
+        if running and not self._works:
+            # the button that began it may lie elsewhere, in a menu say
+            QTimer.singleShot(0, self, lambda: self.ensureWidgetVisible(self.cancel_button))
+        self._works = running
         self.report_button.setEnabled(self._several and not running)
         self.convergence_button.setEnabled(self._several and not running)
 
@@ -290,28 +301,25 @@ class ComparePanel(Panel):
     def _show_meshes(self, metrics: PairMetrics) -> None:
         self.mesh_section.setVisible(any(mesh is not None for mesh in metrics.meshes))
 
-        def row(key: str, form: str, read: str) -> None:
-            self.meshes.set_row(
-                key,
-                *(
-                    None if m is None else format(getattr(m, read), form).replace(",", NARROW)
-                    for m in metrics.meshes
-                ),
-            )
-
-        row("faces", ",d", "faces")
-        row("vertices", ",d", "vertices")
-        row("area", ".6g", "area")
-        row("volume", ".6g", "volume")
-        row("euler", "d", "euler_characteristic")
-        row("open", ",d", "boundary_edges")
-        row("parts", ",d", "components")
+        for key, read in (
+            ("faces", "faces"), ("vertices", "vertices"), ("area", "area"), ("volume", "volume"),
+            ("euler", "euler_characteristic"), ("open", "boundary_edges"), ("parts", "components"),
+        ):  # fmt: skip
+            values = (None if m is None else number_text(getattr(m, read)) for m in metrics.meshes)
+            self.meshes.set_row(key, *values)
         distance = metrics.distance
         self.meshes.set_row(
             "hausdorff",
-            None if distance is None else f"{distance.forward:.4g}",
-            None if distance is None else f"{distance.backward:.4g}",
+            None if distance is None else number_text(distance.forward, 4),
+            None if distance is None else number_text(distance.backward, 4),
         )
+        unit = metrics.length_unit
+        for key, words, power in (
+            ("area", self.tr("Area"), "²"),
+            ("volume", self.tr("Volume"), "³"),
+            ("hausdorff", self.tr("Largest distance"), ""),
+        ):
+            self.meshes.set_caption(key, f"{words} ({unit}{power})" if unit else words)
 
     def show_times(self, times: tuple[FrameTimes, FrameTimes] | None) -> None:
         """Show frame times, or none."""

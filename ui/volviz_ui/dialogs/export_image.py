@@ -173,6 +173,7 @@ class ExportImageDialog(QDialog):
             "scale": self.tr("Scale bar"),
             "letters": self.tr("Letters at slices"),
             "cross_hair": self.tr("Cross-hair of slices"),
+            "measurements": self.tr("Measurements"),
             "legend": self.tr("Legend"),
         }
         switch = QCheckBox(words[name], self)

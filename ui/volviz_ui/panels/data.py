@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QPushButton, QWidget
 
 from volviz.model.store import Store
 from volviz.volume_data.volume import Volume
@@ -22,6 +23,8 @@ from volviz_ui.widgets.small import quiet_label
 
 class DataPanel(Panel):
     """The layers, facts about the active one, which part of it is shown, its histogram, crop box and clip planes."""
+
+    correction_requested = Signal()
 
     def __init__(
         self, store: Store, documents: Documents, workers: Workers, parent: QWidget | None = None
@@ -54,6 +57,12 @@ class DataPanel(Panel):
         self.notes.setWordWrap(True)
         self.notes.setToolTip(self.tr("What the reader has to say about the file"))
         properties.add_wide(self.notes)
+        self.correct = QPushButton(self.tr("What was understood…"), properties)
+        self.correct.setToolTip(
+            self.tr("Axes, spacing and units of the file, to be corrected where they are wrong")
+        )
+        self.correct.clicked.connect(self.correction_requested)
+        properties.add_wide(self.correct)
 
         part = Section(self.tr("Channel"), parent=self)
         self.part = PartChooser(store, documents, self)
@@ -85,6 +94,7 @@ class DataPanel(Panel):
         value.setVisible(has_nonfinite)
         if item is not None and item.widget() is not None:
             item.widget().setVisible(has_nonfinite)
+        self.correct.setEnabled(volume is not None)
         self.notes.setText(notes_of(volume))
         self.notes.setVisible(bool(self.notes.text()))
 

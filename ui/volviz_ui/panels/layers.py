@@ -25,7 +25,7 @@ from volviz.model.layer_edits import (
     with_only,
     without_layer,
 )
-from volviz.model.layers import ImageLayer, Layer
+from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.editors.simple import ColorButton, chosen_color
@@ -42,6 +42,11 @@ GESTURE = "layer opacity"
 class LayerRow(QWidget):
     """One layer: eye, colour, name, opacity, remove.
 
+    Attributes
+    ----------
+    labels_requested : signal (int)
+        The name of a layer of labels was clicked: its number.
+
     Parameters
     ----------
     store : Store
@@ -49,6 +54,8 @@ class LayerRow(QWidget):
     number : int
         Its place in the scene.
     """
+
+    labels_requested = Signal(int)
 
     def __init__(self, store: Store, number: int, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -105,10 +112,9 @@ class LayerRow(QWidget):
         self.name.setToolTip(
             self.tr("%1: click to edit its colours and see its histogram").replace("%1", words)
             if is_image
-            else self.tr("%1: labels, shown as surfaces").replace("%1", words)
+            else self.tr("%1: labels, shown as surfaces; click to list them").replace("%1", words)
         )
         self.name.setChecked(is_active)
-        self.name.setEnabled(is_image)
         self.opacity.blockSignals(True)
         if not self.opacity.isSliderDown():
             self.opacity.setValue(round(100 * layer.opacity))
@@ -140,6 +146,10 @@ class LayerRow(QWidget):
 
     def _on_name(self) -> None:
         number = self._number
+        if isinstance(self._store.scene.layers[number], LabelLayer):
+            self.name.setChecked(False)
+            self.labels_requested.emit(number)
+            return
         self._store.update(
             lambda scene: scene.with_active_layer(number), label=self.tr("Active layer"), record=False
         )
@@ -165,9 +175,12 @@ class LayerList(QWidget):
     ----------
     add_requested : signal
         The button was pressed.
+    labels_requested : signal (int)
+        The labels of a layer, given by its number, are to be listed.
     """
 
     add_requested = Signal()
+    labels_requested = Signal(int)
 
     def __init__(self, store: Store, documents: Documents, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -214,6 +227,7 @@ class LayerList(QWidget):
             row.deleteLater()
         while len(self.rows) < len(layers):
             row = LayerRow(self._store, len(self.rows), self)
+            row.labels_requested.connect(self.labels_requested)
             self.column.insertWidget(len(self.rows), row)
             self.rows.append(row)
         scene = self._store.scene

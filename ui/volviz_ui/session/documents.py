@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -65,8 +65,16 @@ class Documents(QObject):
     choice_needed = Signal(object)
     """A `SeveralImages`: a file holds several images."""
 
-    def __init__(self, store: Store, workers: Workers, parent: QObject | None = None) -> None:
+    def __init__(
+        self,
+        store: Store,
+        workers: Workers,
+        parent: QObject | None = None,
+        *,
+        corrections: Callable[[VolumeRef], Mapping[str, Any]] = lambda _ref: {},
+    ) -> None:
         super().__init__(parent)
+        self._corrections = corrections
         self._store = store
         self._workers = workers
         self.cache = VolumeCache()
@@ -129,7 +137,7 @@ class Documents(QObject):
 
         A channel is chosen by its number, from 0, or its name; without one, the file shows what it shows by itself.
         """
-        ref = reference_to(source, hints)
+        ref = self._reference_to(source, hints)
         self._way_back = None
         name = channel if isinstance(channel, str) else None
         number = None if isinstance(channel, str) else channel
@@ -140,9 +148,34 @@ class Documents(QObject):
         if self._store.scene.layer is None:
             self.open(source, **hints)
             return
-        key = VolumeKey(reference_to(source, hints), None, 0)
+        key = VolumeKey(self._reference_to(source, hints), None, 0)
         self._way_back = None
         self._run(key, lambda task: open_volume(key, task, adds=True), self._on_added)
+
+    def _reference_to(self, source: str | os.PathLike[str], hints: Mapping[str, Any]) -> VolumeRef:
+        """The reference to a file, with what was corrected about it; what is asked for counts first."""
+        ref = reference_to(source, hints)
+        return replace(ref, hints=tuple({**self._corrections(ref), **dict(ref.hints)}.items()))
+
+    def correct(self, hints: Mapping[str, Any], instead_of: Sequence[str]) -> None:
+        """Read the file of the active layer anew, with other hints in the place of those that are named."""
+        layer = self._shown.scene.layer
+        if layer is None:
+            return
+        ref = layer.key.ref
+        kept = {name: value for name, value in ref.hints if name not in instead_of}
+        corrected = replace(ref, hints=tuple({**kept, **hints}.items()))
+
+        def changed(scene: Scene) -> Scene:
+            layers = tuple(
+                replace(layer, volume=corrected) if layer.volume == ref else layer for layer in scene.layers
+            )
+            # it may have become a thousand times as large
+            views = tuple(replace(view, camera=None) for view in scene.views)
+            return replace(scene, layers=layers, views=views)
+
+        self._way_back = self._store.undo
+        self._store.update(changed, label=self.tr("Correct what was understood"))
 
     @property
     def finer_box(self) -> bool:

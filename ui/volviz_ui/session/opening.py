@@ -138,14 +138,13 @@ def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
 def read_volume(source: VolumeSource, key: VolumeKey, task: Task) -> Volume:
     """The values that a key names."""
     level, box = shown_part(source, key.ref)
-    return source.read(
-        level,
-        time=key.time,
-        channel=key.channel,
-        box=box,
-        cancel=lambda: task.is_cancelled,
-        progress=task.report,
-    )
+
+    def cancel() -> bool:
+        return task.is_cancelled
+
+    if whole_of(key.ref) == key.ref:
+        return source.read_fitting(key.time, key.channel, cancel, task.report)
+    return source.read(level, key.time, key.channel, box, cancel, task.report)
 
 
 def _whole_scene(scene: Scene, source: VolumeSource, key: VolumeKey, volume: Volume, task: Task) -> Opened:

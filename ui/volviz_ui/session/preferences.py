@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast, get_args
 
@@ -14,6 +15,7 @@ from volviz_ui.style.theme import Choice
 
 RECENT_LIMIT = 12
 USED_LIMIT = 8
+CORRECTIONS_LIMIT = 500
 QUALITIES = ("balanced", "fast", "full")
 
 
@@ -140,6 +142,30 @@ class Preferences:
         """Empty the list of files opened last."""
         self._settings.remove("recent")
 
+    def correction(self, ref: VolumeRef) -> dict[str, Any]:
+        """What was corrected about a file, as hints of `volviz.open`; nothing where it has changed since then."""
+        found = self._corrections.get(ref.source)
+        if not isinstance(found, dict) or found.get("content") != ref.content_id:
+            return {}
+        hints = found.get("hints")
+        return {name: _untied(value) for name, value in hints.items()} if isinstance(hints, dict) else {}
+
+    def set_correction(self, ref: VolumeRef, hints: Mapping[str, Any]) -> None:
+        """Remember it for this file as it is now; without hints, forget it."""
+        others = {source: kept for source, kept in self._corrections.items() if source != ref.source}
+        if hints:
+            others[ref.source] = {"content": ref.content_id, "hints": dict(hints)}
+        kept = dict(list(others.items())[-CORRECTIONS_LIMIT:])
+        self._settings.setValue("corrections", json.dumps(kept))
+
+    @property
+    def _corrections(self) -> dict[str, Any]:
+        try:
+            found = json.loads(str(self._settings.value("corrections", "{}")))
+        except ValueError:
+            return {}
+        return found if isinstance(found, dict) else {}
+
     @property
     def used_commands(self) -> list[str]:
         """Ids of the commands used last in the palette, the newest first."""
@@ -155,8 +181,13 @@ class Preferences:
 
 
 def _key(row: dict[str, Any]) -> VolumeKey:
-    hints = {name: tuple(v) if isinstance(v, list) else v for name, v in row.get("hints", {}).items()}
+    hints = {name: _untied(value) for name, value in row.get("hints", {}).items()}
     # older programs kept channel and time among the hints
     channel, time = hints.pop("channel", None), hints.pop("time", 0)
     ref = VolumeRef(str(row["source"]), tuple(hints.items()))
     return VolumeKey(ref, row.get("channel", channel), row.get("time", time))
+
+
+def _untied(value: Any) -> Any:
+    """JSON knows no tuples."""
+    return tuple(value) if isinstance(value, list) else value

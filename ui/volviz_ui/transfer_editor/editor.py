@@ -22,7 +22,7 @@ from volviz.model.transfer.automatic_2d import auto_regions
 from volviz.model.transfer.function import TransferFunction
 from volviz.model.transfer.function_2d import TransferFunction2D
 from volviz.model.transfer.own_presets import OwnPresets
-from volviz.model.transfer.presets import Preset, presets
+from volviz.model.transfer.presets import Preset, preset_for, presets
 from volviz_ui.session.loaded_scene import volume_of
 from volviz_ui.style.icons import set_icon
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
@@ -89,6 +89,7 @@ class TransferEditor(QWidget):
         self.region_fields = RegionFields(self.gradient_plot, self)
         self.popup = PresetPopup(self.own_presets, self)
         self.commands = PresetCommands(self.model, self.own_presets, self)
+        self._as_taken: dict[tuple[str, Volume | None], tuple[TransferFunction, str]] = {}
         self._build()
         self._connect()
         self.set_two_dimensional_available(False)
@@ -351,7 +352,10 @@ class TransferEditor(QWidget):
         plot.marker_moved.connect(self.isovalue_moved)
         plot.hovered.connect(self.value_hovered)
         self.commands.failed.connect(self.failed)
+        self.commands.presets_changed.connect(self._on_presets_changed)
         self.popup.chosen.connect(self._on_preset_chosen)
+        self.popup.rename_asked.connect(self.commands.rename_one)
+        self.popup.delete_asked.connect(self.commands.delete_one)
         self.preset_button.clicked.connect(self.show_presets)
         self.auto_button.clicked.connect(self.set_automatic)
         self.log_counts_button.toggled.connect(plot.set_log_counts)
@@ -407,7 +411,8 @@ class TransferEditor(QWidget):
 
     def show_presets(self) -> None:
         """Open the images of the presets."""
-        self.popup.open_below(self.preset_button)
+        function = self.model.function
+        self.popup.open_below(self.preset_button, "" if function is None else function.name)
 
     def showEvent(self, event: object) -> None:
         """Seen for the first time with this volume: count it now."""
@@ -427,15 +432,35 @@ class TransferEditor(QWidget):
             self.arrange_button,
         ):  # fmt: skip
             button.setEnabled(function is not None)
-        name = function.name if function is not None else ""
-        known = presets()
-        label = known[name].label if name in known else self.tr("Automatic") if name == "auto" else name
-        label = self.preset_button.fontMetrics().elidedText(
-            label or self.tr("Presets"), Qt.TextElideMode.ElideRight, 124
+        label, is_changed = self._preset_of(function)
+        about = self.tr("%1, changed since").replace("%1", label) if is_changed else label
+        self.preset_button.setToolTip("\n".join(filter(None, (about, self.tr("Choose a preset")))))
+        shown = self.preset_button.fontMetrics().elidedText(
+            label or self.tr("Presets"), Qt.TextElideMode.ElideRight, 112 if is_changed else 124
         )
-        label = f"{label} ▾"
-        if self.preset_button.text() != label:
-            self.preset_button.setText(label)
+        shown = f"{shown} * ▾" if is_changed else f"{shown} ▾"
+        if self.preset_button.text() != shown:
+            self.preset_button.setText(shown)
+
+    def _preset_of(self, function: TransferFunction | None) -> tuple[str, bool]:
+        """What the preset of a function is called, and whether the function has been changed since it was taken."""
+        if function is None or not function.name:
+            return "", False
+        name, volume = function.name, self.model.volume
+        key = (name, volume)
+        if key not in self._as_taken:
+            preset = presets().get(name) or self.own_presets.all().get(name)
+            taken = function if preset is None or volume is None else preset_for(preset, volume)
+            label = self.tr("Automatic") if name == "auto" else name if preset is None else preset.label
+            # of other volumes nobody asks any more
+            self._as_taken = {k: v for k, v in self._as_taken.items() if k[1] is volume}
+            self._as_taken[key] = (taken, label)
+        taken, label = self._as_taken[key]
+        return label, function != taken
+
+    def _on_presets_changed(self) -> None:
+        self._as_taken.clear()
+        self._on_function_changed()
 
     def _on_preset_chosen(self, preset: Preset) -> None:
         self.commands.take(preset)

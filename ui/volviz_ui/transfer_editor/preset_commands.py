@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,6 +89,8 @@ class PresetCommands(QObject):
 
     failed = Signal(object)
     """An error to show: a `VolvizError`."""
+    presets_changed = Signal()
+    """The user's presets are others now."""
 
     def __init__(self, model: EditorModel, own: OwnPresets, widget: QWidget) -> None:
         super().__init__(widget)
@@ -144,28 +146,43 @@ class PresetCommands(QObject):
             technique=view.technique if with_technique else None,
             settings=_plain(settings) if with_technique and settings is not None else None,
         )  # fmt: skip
-        self._try(lambda: self._own.save(preset, label))
+
+        def save() -> None:
+            stored = self._own.save(preset, label)
+            # the function is that preset from now on
+            self._model.apply(replace(function, name=stored.label), self.tr("Save preset"), ())
+            self.presets_changed.emit()
+
+        self._try(save)
 
     def rename(self) -> None:
         """Ask which of the own presets gets which name."""
         label = self._ask_which(self.tr("Rename preset"))
-        if label is None:
-            return
+        if label is not None:
+            self.rename_one(label)
+
+    def rename_one(self, label: str) -> None:
+        """Ask for another name of an own preset."""
         new, ok = QInputDialog.getText(
             self._widget, self.tr("Rename preset"), self.tr("New name"), QLineEdit.EchoMode.Normal, label
         )
         if ok and new.strip() and new != label:
             self._try(lambda: self._own.rename(label, new))
+            self.presets_changed.emit()
 
     def delete(self) -> None:
         """Ask which of the own presets goes."""
         label = self._ask_which(self.tr("Delete preset"))
-        if label is None:
-            return
+        if label is not None:
+            self.delete_one(label)
+
+    def delete_one(self, label: str) -> None:
+        """Ask whether an own preset is to go."""
         question = self.tr("Delete the preset “%1” for good?").replace("%1", label)
         answer = QMessageBox.question(self._widget, self.tr("Delete preset"), question)
         if answer == QMessageBox.StandardButton.Yes:
             self._try(lambda: self._own.delete(label))
+            self.presets_changed.emit()
 
     def import_file(self) -> None:
         """Ask for a file of any known kind."""

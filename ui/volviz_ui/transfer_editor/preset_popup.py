@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QPoint, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPoint, QSize, Qt, QTimer, Signal, SignalInstance
 from PySide6.QtGui import QIcon, QImage, QKeyEvent, QPixmap
-from PySide6.QtWidgets import QFrame, QLabel, QListView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QFrame,
+    QLabel,
+    QListView,
+    QListWidget,
+    QListWidgetItem,
+    QMenu,
+    QVBoxLayout,
+    QWidget,
+)
 
 from volviz.model.transfer.presets import Preset, preset_for, presets
 from volviz_ui.transfer_editor.painting import thumbnail
@@ -66,6 +76,9 @@ class PresetPopup(QFrame):
     """
 
     chosen = Signal(object)
+    rename_asked = Signal(str)
+    delete_asked = Signal(str)
+    """Labels of own presets."""
 
     def __init__(self, own: OwnPresets, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Popup)
@@ -94,6 +107,8 @@ class PresetPopup(QFrame):
             each.itemClicked.connect(self._on_taken)
             each.itemActivated.connect(self._on_taken)
             each.installEventFilter(self)
+            each.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+            each.customContextMenuRequested.connect(partial(self._show_menu, each))
         self._idle = QTimer(self)
         self._idle.setSingleShot(True)
         self._idle.setInterval(0)
@@ -105,9 +120,16 @@ class PresetPopup(QFrame):
             self._volume = volume
             self._images.clear()
 
-    def open_below(self, button: QWidget) -> None:
-        """Fill the lists and show them at a button: below it, or above where there is no room."""
-        self.fill()
+    def open_below(self, button: QWidget, current: str = "") -> None:
+        """Fill the lists and show them at a button: below it, or above where there is no room.
+
+        Parameters
+        ----------
+        button : QWidget
+        current : str
+            Name of the function that is shown now; its preset is marked.
+        """
+        self.fill(current)
         columns = 6
         width = columns * (WIDTH + 16) + 44
         rows = -(-self.list.count() // columns)
@@ -125,8 +147,8 @@ class PresetPopup(QFrame):
         self.show()
         self.list.setFocus()
 
-    def fill(self) -> None:
-        """Read the presets again and begin to draw their images."""
+    def fill(self, current: str = "") -> None:
+        """Read the presets again, mark the current one, and begin to draw their images."""
         self._round += 1
         self._waiting = []
         for each, found in ((self.own_list, self._own_presets.all()), (self.list, presets())):
@@ -134,13 +156,34 @@ class PresetPopup(QFrame):
             for preset in found.values():
                 item = each.add(preset)
                 self._show_image(item, preset)
+                if preset.transfer_function.name == current:
+                    each.setCurrentItem(item)
         has_own = self.own_list.count() > 0
         self.own_caption.setVisible(has_own)
         self.own_list.setVisible(has_own)
-        if self.list.count():
-            self.list.setCurrentRow(0)
         if self._waiting and self.provider is not None and self._volume is not None:
             self._idle.start()
+
+    def _show_menu(self, shown: PresetList, at: QPoint) -> None:
+        """What can be done with the preset under the pointer; bundled ones can be taken only."""
+        item = shown.itemAt(at)
+        if item is None:
+            return
+        menu = QMenu(self)
+        menu.addAction(self.tr("Use")).triggered.connect(lambda: self._on_taken(item))
+        if shown is self.own_list:
+            label = item.data(_PRESET).label
+            for words, signal in (
+                (self.tr("Rename…"), self.rename_asked),
+                (self.tr("Delete…"), self.delete_asked),
+            ):
+                menu.addAction(words).triggered.connect(partial(self._leave_for, signal, label))
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.popup(shown.viewport().mapToGlobal(at))
+
+    def _leave_for(self, signal: SignalInstance, label: str) -> None:
+        self.close()
+        signal.emit(label)
 
     def hideEvent(self, event: QEvent) -> None:
         """Closed: nobody waits for images any more."""

@@ -16,6 +16,8 @@ from volviz.annotations.shapes import Shape
 from volviz.annotations.style import Style
 from volviz.annotations.subject import Subject, surface_bar
 from volviz.custom_gl.resolve import ResolvedSpec
+from volviz.measure.readings import words_beside
+from volviz.model.measurements import Measurement
 from volviz.model.picture import SWITCHES, PictureContents
 from volviz.model.surface_values import SurfaceColors
 from volviz.volume_data.volume import Volume
@@ -49,6 +51,7 @@ class Annotations:
         self._values: SurfaceColors | None = None
         self._unit = ""
         self._note = ""
+        self._pending: Measurement | None = None
         self._told: tuple[object, Subject] | None = None
         self._laid_out: tuple[object, tuple[Shape, ...]] | None = None
         self.overlay = Overlay(self._shapes, viewport)
@@ -88,6 +91,14 @@ class Annotations:
             self._show_box()
         self._viewport.render()
 
+    def show_pending(self, pending: Measurement | None) -> None:
+        """Draw a measurement that is not yet in the scene, None for none."""
+        if pending != self._pending:
+            self._pending = pending
+            self._told = None
+            # nothing of the volume changes
+            self.overlay.refresh()
+
     def show_values(self, colors: SurfaceColors | None, unit: str = "", note: str = "") -> None:
         """Explain the colours of a surface by a bar, in the place of that of the transfer function.
 
@@ -117,6 +128,11 @@ class Annotations:
             subject = subject_of_view(scene, self._view, shown, self._loaded.volumes)
             if self._values is not None:
                 subject = replace(subject, bar=surface_bar(self._values, self._unit))
+            if self._pending is not None:
+                named = bool(self._pending.name)
+                words = words_beside(self._pending, self._loaded.volume) if named else ""
+                measured = (*subject.measurements, (self._pending, words))
+                subject = replace(subject, measurements=measured)
             self._told = (key, replace(subject, note=self._note))
         return self._told[1]
 

@@ -42,6 +42,19 @@ def zoomed(camera: Camera, factor: float) -> Camera:
     return replace(camera, position=_vector(np.add(camera.focal_point, offset)))
 
 
+def flown(camera: Camera, bounds: tuple[float, float, float, float, float, float]) -> Camera:
+    """The camera in front of a world box (x0, x1, y0, y1, z0, z1), which fills about half of the view."""
+    low, high = np.array(bounds[::2]), np.array(bounds[1::2])
+    center, radius = (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-9)
+    distance = 2.0 * radius / np.sin(np.radians(camera.view_angle / 2))
+    return replace(
+        camera,
+        position=_vector(center - distance * np.asarray(camera.direction)),
+        focal_point=_vector(center),
+        parallel_scale=2.0 * radius if camera.parallel else camera.parallel_scale,
+    )
+
+
 def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camera:
     """The camera after the scene was pushed by (dx right, dy down) pixels; the focal point follows."""
     per_pixel = 2 * camera.scale / max(size[1], 1)

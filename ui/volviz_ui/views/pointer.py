@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, QTimer
+from PySide6.QtCore import QObject, QPointF, QTimer, Signal
 
 from volviz.custom_gl.picking import Picked
+from volviz.model.layers import LabelLayer
 from volviz.model.manipulators import as_vector
 from volviz.model.store import Store
 from volviz_ui.session.documents import Documents
 from volviz_ui.transfer_editor import TransferEditor
+from volviz_ui.views.camera_moves import flown
 from volviz_ui.views.view_grid import ViewGrid
 from volviz_ui.widgets.status_line import StatusLine
 
@@ -19,7 +21,16 @@ DELAY_MS = 25
 
 
 class Pointer(QObject):
-    """Follows the pointer over the views; nothing is looked up while something is dragged."""
+    """Follows the pointer over the views; nothing is looked up while something is dragged.
+
+    Attributes
+    ----------
+    label_clicked, label_double_clicked : signals (int, int)
+        A label was clicked on: the number of its layer, and its own.
+    """
+
+    label_clicked = Signal(int, int)
+    label_double_clicked = Signal(int, int)
 
     def __init__(
         self,
@@ -44,6 +55,7 @@ class Pointer(QObject):
         self._timer.timeout.connect(self._look)
         views.pointer_moved.connect(self._on_moved)
         views.pointer_left.connect(self._on_left)
+        views.clicked.connect(self._on_clicked)
         views.double_clicked.connect(self._turn_about)
 
     def stop(self) -> None:
@@ -86,6 +98,11 @@ class Pointer(QObject):
         picked = self._picked_in(view, position)
         if picked is None:
             return
+        if picked.label is not None:
+            number = self._layer_of(picked)
+            if number is not None:
+                self.label_double_clicked.emit(number, picked.label)
+                return
         first = self._views.first
         camera = first.viewport.view_camera
         way = np.subtract(picked.position, camera.focal_point)
@@ -98,6 +115,45 @@ class Pointer(QObject):
             )
         )
 
+    def _on_clicked(self, view: int, position: QPointF) -> None:
+        if not any(isinstance(layer, LabelLayer) for layer in self._documents.shown.scene.layers):
+            return
+        picked = self._picked_in(view, position)
+        if picked is not None and picked.label is not None:
+            number = self._layer_of(picked)
+            if number is not None:
+                self.label_clicked.emit(number, picked.label)
+
+    def _layer_of(self, picked: Picked) -> int | None:
+        """Number of the layer that was picked."""
+        shown = self._documents.shown
+        for number, layer in enumerate(shown.scene.layers):
+            volume = shown.volumes.get(layer.key)
+            if picked.volume is None or volume is None:
+                continue
+            # what a transform has moved is another volume of the same values
+            if volume.array is picked.volume.array and isinstance(layer, LabelLayer) == (
+                picked.label is not None
+            ):
+                return number
+        return None
+
+    def fly_to(self, bounds: tuple[float, float, float, float, float, float]) -> None:
+        """Look at a world box."""
+        first = self._views.first
+        first.controller.show_camera(flown(first.viewport.view_camera, bounds))
+
+    def _words(self, picked: Picked) -> str:
+        """Which layer is picked where there are several, and which label."""
+        layers = self._documents.shown.scene.layers
+        number = self._layer_of(picked) if len(layers) > 1 else None
+        if number is None:
+            return ""
+        layer = layers[number]
+        if isinstance(layer, LabelLayer) and picked.label is not None:
+            return dict(layer.names).get(picked.label) or f"{layer.name} {picked.label}".strip()
+        return layer.name
+
     def _show(self, picked: Picked | None) -> None:
         active = self._documents.volume
         volume = active if picked is None or picked.volume is None else picked.volume
@@ -107,6 +163,9 @@ class Pointer(QObject):
             # a surface has a value of its own; elsewhere the number that stands in the file is looked for
             value = picked.isovalue if picked.isovalue is not None else float(volume.array[k, j, i])
         self._status_line.show_picked(
-            None if picked is None else picked.voxel, value, volume.unit if volume is not None else ""
+            None if picked is None else picked.voxel,
+            value,
+            volume.unit if volume is not None else "",
+            "" if picked is None else self._words(picked),
         )
         self._editor.highlight_value(value if volume is active else None)

@@ -333,15 +333,31 @@ class ViewController(QObject):
     # ------------------------------------------------------------------ slices
 
     def set_cursor_at(self, position: QPointF, gesture: Hashable | None = None) -> None:
-        """Let the cross-hair stand at a place of a faced plane, in pixels of the widget from the upper left."""
+        """Let the cross-hair stand at a place, in pixels of the widget from the upper left.
+
+        On a slice that is the place itself; in a picture of the volume beside slices what is seen there.
+        """
         volume = self._movable
         if volume is None:
+            return
+        if not self._viewport.shows_slice:
+            self._set_cursor_on_hit(position)
             return
         before = cursor_of(self._store.scene, volume)
         size = (self._viewport.width(), self._viewport.height())
         place = (position.x(), position.y())
         point = within(volume, point_on_plane(self._viewport.view_camera, place, size, before))
         self._move_cursor(point, gesture)
+
+    def _set_cursor_on_hit(self, position: QPointF) -> None:
+        """Let the cross-hair stand on what is seen of the volume, where slices are shown beside it."""
+        volume, scene = self._movable, self._store.scene
+        if volume is None or self.handle is None or all(view.own_camera is False for view in scene.views):
+            return
+        ratio = self._viewport.devicePixelRatioF()
+        picked = self.handle.pick(position.x() * ratio, position.y() * ratio)
+        if picked is not None:
+            self._move_cursor(within(volume, picked.position), None)
 
     def _on_cursor_dragged(self, position: QPointF) -> None:
         self.set_cursor_at(position, self._viewport.drag_key)

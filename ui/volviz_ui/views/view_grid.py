@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,6 +14,7 @@ from PySide6.QtWidgets import QWidget
 from volviz.annotations.background import background_image
 from volviz.errors import VolvizError
 from volviz.model.camera import Camera
+from volviz.model.measurements import Measurement
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.view_edits import with_active, with_comparison
@@ -44,6 +46,12 @@ class ViewGrid(QWidget):
     pointer_left = Signal()
     clicked = Signal(int, QPointF)
     """Number of the view, and where in it the left button was pressed and let go without a move."""
+    point_clicked = Signal(int, QPointF)
+    """Number of the view, and where in it a point is to lie (`places_points`)."""
+    point_finished = Signal()
+    """A double-click has ended what is being placed."""
+    point_key_pressed = Signal(int)
+    point_dragged = Signal(int, QPointF)
     drawn = Signal()
     """One of the views has drawn a frame."""
     double_clicked = Signal(int, QPointF)
@@ -66,6 +74,9 @@ class ViewGrid(QWidget):
         self._closed = False
         self.view_widgets: list[ViewWidget] = []
         self._completed: list[Any] = [None, None]
+        self._places_points = False
+        self.grab_point: Callable[[int, QPointF], bool] = lambda _view, _position: False
+        """Takes up a point of a measurement in a view; whether there is one."""
         self.arrangement = ViewLayout(self)
         self.arrangement.divider_moved.connect(self._on_divider_moved)
         self._rest = QTimer(self)
@@ -128,7 +139,11 @@ class ViewGrid(QWidget):
         viewport.pointer_left.connect(self.pointer_left)
         viewport.clicked.connect(lambda position: self._on_clicked(view_widget, position))
         viewport.frame_drawn.connect(self.drawn)
-        viewport.double_clicked.connect(lambda position: self.double_clicked.emit(view_widget.view, position))
+        viewport.double_clicked.connect(lambda position: self._on_double_clicked(view_widget, position))
+        viewport.point_key_pressed.connect(self.point_key_pressed)
+        viewport.point_dragged.connect(lambda position: self.point_dragged.emit(view_widget.view, position))
+        viewport.grab_point = lambda position: self.grab_point(view_widget.view, position)
+        viewport.places_points = self._places_points
         viewport.function_drag_started.connect(self.function_drag_started)
         viewport.function_dragged.connect(self.function_dragged)
         viewport.function_drag_ended.connect(self.function_drag_ended)
@@ -209,9 +224,35 @@ class ViewGrid(QWidget):
             self.activate(view_widget.view)
 
     def _on_clicked(self, view_widget: ViewWidget, position: QPointF) -> None:
-        if view_widget.viewport.shows_slice:
-            view_widget.controller.set_cursor_at(position)
+        if self._places_points:
+            self.point_clicked.emit(view_widget.view, position)
+            return
+        view_widget.controller.set_cursor_at(position)
         self.clicked.emit(view_widget.view, position)
+
+    def _on_double_clicked(self, view_widget: ViewWidget, position: QPointF) -> None:
+        if self._places_points:
+            self.point_finished.emit()
+        else:
+            self.double_clicked.emit(view_widget.view, position)
+
+    # ------------------------------------------------------------------ points
+
+    @property
+    def places_points(self) -> bool:
+        """Whether clicks place points, instead of moving the cross-hair or showing a ray."""
+        return self._places_points
+
+    @places_points.setter
+    def places_points(self, on: bool) -> None:
+        self._places_points = on
+        for view_widget in self.view_widgets:
+            view_widget.viewport.places_points = on
+
+    def show_pending(self, pending: Measurement | None) -> None:
+        """Draw what is being measured in all views, None for nothing."""
+        for view_widget in self.view_widgets:
+            view_widget.annotations.show_pending(pending)
 
     def _on_divider_moved(self, share: float) -> None:
         self._store.update(partial(with_comparison, divider=share), record=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,8 @@ ARROWS = {
     Qt.Key.Key_Down: (0, 1),
 }
 """Where the volume goes with an arrow, right and down."""
+POINT_KEYS = (Qt.Key.Key_Escape, Qt.Key.Key_Backspace, Qt.Key.Key_Return, Qt.Key.Key_Enter)
+"""Keys for points that are being placed."""
 ARROW_TURN = 5.0
 """Degrees that one press of an arrow turns the view."""
 
@@ -43,6 +46,8 @@ class Drag(Enum):
     FUNCTION = "function"
     CURSOR = "cursor"
     WINDOW = "window"
+    PLACE = "place"
+    POINT = "point"
 
 
 class Viewport(QtInteractor):
@@ -88,6 +93,10 @@ class Viewport(QtInteractor):
     double_clicked = Signal(QPointF)
     render_asked = Signal()
     """An image was asked for: camera or scene may be others."""
+    point_dragged = Signal(QPointF)
+    """Where a point of a measurement is to lie."""
+    point_key_pressed = Signal(int)
+    """A key for the points that are being placed: Escape, Backspace or Enter."""
     frame_drawn = Signal()
     unseen_drawn = Signal(QImage)
     """The image of a viewport that is covered, each time that it was drawn."""
@@ -104,6 +113,9 @@ class Viewport(QtInteractor):
         self.light_is_movable = False
         self.shows_slice = False
         """Whether a plane is faced here: drags move cross-hair and window, the wheel goes through the slices."""
+        self.grab_point: Callable[[QPointF], bool] = lambda _position: False
+        """Takes up a point of a measurement; whether there is one."""
+        self._places_points = False
         self.linked: list[Viewport] = [self]
         self._own_camera = self.renderer.camera
         self.manipulators: Manipulators | None = None
@@ -112,6 +124,8 @@ class Viewport(QtInteractor):
         self._drag: Drag | None = None
         self._last = QPointF()
         self._start = QPointF()
+        self._placed: QPointF | None = None
+        """Where the drag began that has placed a point already."""
         self._store = store
         self.drag_key, self.wheel_key = ("drag", view), ("wheel", view)
         self._wheel_rest = QTimer(self)
@@ -168,6 +182,18 @@ class Viewport(QtInteractor):
     def aspect(self) -> float:
         """Width divided by height."""
         return max(self.width(), 1) / max(self.height(), 1)
+
+    # ------------------------------------------------------------------ points
+
+    @property
+    def places_points(self) -> bool:
+        """Whether clicks place points instead of anything else."""
+        return self._places_points
+
+    @places_points.setter
+    def places_points(self, on: bool) -> None:
+        self._places_points = on
+        self._show_grip()
 
     # ------------------------------------------------------------------ camera
 
@@ -242,6 +268,7 @@ class Viewport(QtInteractor):
         if self._drag is None:
             self._drag = self._meaning(event)
             self._last = self._start = event.position()
+            self._placed = None
             if self._drag is Drag.HANDLE:
                 self._show_grip()
         event.accept()
@@ -249,7 +276,11 @@ class Viewport(QtInteractor):
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """The second click of a double-click is a click, and asks to look at what was clicked on."""
         self.mousePressEvent(event)
-        if self._drag is Drag.ROTATE:
+        if self._places_points and event.button() == Qt.MouseButton.LeftButton:
+            # the first click has placed the last point
+            self._drag = None
+            self.double_clicked.emit(event.position())
+        elif self._drag is Drag.ROTATE:
             self.double_clicked.emit(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -265,6 +296,9 @@ class Viewport(QtInteractor):
         if not self._is_dragging and step.manhattanLength() < QApplication.startDragDistance() / 3:
             return
         self._last = event.position()
+        if self._drag is Drag.PLACE:
+            self._place(event.position())
+            return
         self._begin_drag()
         dx, dy, size = step.x(), step.y(), (self.width(), self.height())
         if self._drag is Drag.ROTATE:
@@ -278,6 +312,8 @@ class Viewport(QtInteractor):
                 self.manipulator_dragged.emit(self.manipulators.drag(*self._pixel(event.position())))
         elif self._drag is Drag.CURSOR:
             self.cursor_dragged.emit(event.position())
+        elif self._drag is Drag.POINT:
+            self.point_dragged.emit(event.position())
         elif self._drag is Drag.WINDOW:
             self.window_dragged.emit(dx / max(self.width(), 1), -dy / max(self.height(), 1))
         elif self._drag is Drag.FUNCTION:
@@ -289,7 +325,7 @@ class Viewport(QtInteractor):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The drag is over when the last button is up."""
         if event.buttons() == Qt.MouseButton.NoButton:
-            is_click = self._drag in {Drag.ROTATE, Drag.CURSOR} and not self.is_moving
+            is_click = self._drag in {Drag.ROTATE, Drag.CURSOR, Drag.PLACE} and not self.is_moving
             self._end_drag(cancelled=False)
             if is_click:
                 self.clicked.emit(event.position())
@@ -330,6 +366,9 @@ class Viewport(QtInteractor):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Arrows turn the view, with Shift they move it; Escape cancels a drag; all other keys belong to the window."""
+        if self._places_points and event.key() in POINT_KEYS:
+            self.point_key_pressed.emit(event.key())
+            return
         step = None if self.shows_slice else ARROWS.get(event.key())
         # the arrows of a number pad come with a modifier of their own
         modifiers = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
@@ -373,7 +412,9 @@ class Viewport(QtInteractor):
             "normal": self.tr("Drag to tilt the plane"),
         }
         self.setToolTip(words.get(under or "", ""))
-        if under is None:
+        if under is None and self._places_points:
+            self.setCursor(Qt.CursorShape.CrossCursor)
+        elif under is None:
             self.unsetCursor()
         else:
             held = self._drag is not None
@@ -405,15 +446,25 @@ class Viewport(QtInteractor):
             return Drag.HANDLE
         return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.ROTATE
 
-    @staticmethod
-    def _meaning_on_slice(event: QMouseEvent) -> Drag:
+    def _meaning_on_slice(self, event: QMouseEvent) -> Drag:
         if event.button() == Qt.MouseButton.RightButton:
             return Drag.WINDOW
         if event.button() == Qt.MouseButton.MiddleButton:
             return Drag.PAN
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return Drag.ZOOM
-        return Drag.PAN if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else Drag.CURSOR
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
+            return Drag.PAN
+        if self._places_points:
+            return Drag.PLACE
+        return Drag.POINT if self.grab_point(event.position()) else Drag.CURSOR
+
+    def _place(self, position: QPointF) -> None:
+        """A line that is drawn by one drag: its first point lies where the button went down."""
+        if self._placed is None:
+            self._placed = self._start
+            self.clicked.emit(self._start)
+        self.pointer_moved.emit(position)
 
     @property
     def _is_dragging(self) -> bool:

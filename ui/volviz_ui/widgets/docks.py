@@ -7,18 +7,25 @@ from PySide6.QtWidgets import QMainWindow, QTabBar, QWidget
 
 from volviz_ui.widgets.dock import Dock
 
-VERSION = 2
+VERSION = 3
 """Of the places that Qt remembers."""
 SIDE_WIDTHS = [264, 340]
 FOOT_HEIGHT = 236
+_PLACES = (
+    ("crosscheck", "transfer"),
+    ("labels", "transfer"),
+    ("compare", "data"),
+    ("movie", "data"),
+    ("measurements", "technique"),
+)
+"""Panels that share the place of another one."""
 
 
 class Docks(QObject):
     """The docks by name, and the places where they belong.
 
     "data", "technique" and "transfer" are there from the beginning: left, right, and at the foot over the whole width.
-    "ray", "compare", "crosscheck" and "movie" are hidden until somebody asks for them: beside the transfer function, in
-    tabs with the data, with the transfer function, and with the data.
+    The others are hidden until somebody asks for them: "ray" beside the transfer function, the rest in tabs with these.
     """
 
     def __init__(self, window: QMainWindow) -> None:
@@ -103,7 +110,7 @@ class Docks(QObject):
         self["ray"].setFloating(False)
         window.splitDockWidget(self["transfer"], self["ray"], Qt.Orientation.Horizontal)
         self["ray"].hide()
-        for name, place in (("crosscheck", "transfer"), ("compare", "data"), ("movie", "data")):
+        for name, place in _PLACES:
             self[name].setFloating(False)
             window.tabifyDockWidget(self[place], self[name])
             self[name].hide()

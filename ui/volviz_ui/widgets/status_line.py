@@ -7,6 +7,7 @@ from typing import Any
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QWidget
 
+from volviz.volume_data.brick_cache.cache import BrickStatus
 from volviz.volume_data.volume import Volume
 
 #: While images are on their way, what the line says of them changes no more often than this.
@@ -26,7 +27,8 @@ class StatusLine(QStatusBar):
         self._status_timer.setInterval(UNFINISHED_MS)
         self._status_timer.timeout.connect(self._write_status)
         self.pointer = self._field(
-            "(0000, 0000, 0000)  −00000.00 unit", self.tr("Voxel under the pointer and its value")
+            "(0000, 0000, 0000)  −00000.00 unit",
+            self.tr("Voxel under the pointer, its value, and its layer or label"),
         )
         self.drawing = self._field(
             self.tr("Marching tetrahedra, full quality 000 %"), self.tr("Technique, and resolution now shown")
@@ -38,13 +40,20 @@ class StatusLine(QStatusBar):
             self.addWidget(field)
         self.addPermanentWidget(self.volume)
 
-    def show_picked(self, voxel: tuple[int, int, int] | None, value: float | None, unit: str) -> None:
-        """Show the voxel under the pointer and its value."""
+    def show_picked(
+        self, voxel: tuple[int, int, int] | None, value: float | None, unit: str, layer: str = ""
+    ) -> None:
+        """Show the voxel under the pointer, its value, and of several layers or labels which one it is."""
         if voxel is None or value is None:
             self.pointer.setText("")
             return
         i, j, k = voxel
-        self.pointer.setText(f"({i}, {j}, {k})   {value:.6g} {unit}".rstrip())
+        words = f"({i}, {j}, {k})   {value:.6g} {unit}".rstrip()
+        if layer:
+            words = self.fontMetrics().elidedText(
+                f"{words}   {layer}", Qt.TextElideMode.ElideRight, self.pointer.width() - 16
+            )
+        self.pointer.setText(words)
 
     def show_technique(self, label: str) -> None:
         """Show how the volume is drawn."""
@@ -69,6 +78,8 @@ class StatusLine(QStatusBar):
         else:
             percent = max(1, round(100 * status.resolution))
             words = self.tr("%1 % of the resolution").replace("%1", str(percent))
+        if status.bricks is not None:
+            words += ", " + self._words_on_bricks(status.bricks)
         notice = getattr(status, "notice", "")
         if notice:
             # the first clause; all of it is in the tooltip
@@ -77,6 +88,15 @@ class StatusLine(QStatusBar):
         self.drawing.setText(f"{self._technique}, {words}")
         seconds = status.seconds
         self.time.setText(f"{1000 * seconds:.0f} ms" if seconds < 10 else f"{seconds:.1f} s")
+
+    def _words_on_bricks(self, bricks: BrickStatus) -> str:
+        """Which level a volume larger than memory is seen at, and how much of it is there; level 0 is the finest."""
+        share = 100 * (bricks.present + bricks.failed) // max(bricks.needed, 1)
+        words = self.tr("level %1 of %2, %3 % of the needed bricks, %4 MB")
+        numbers = (bricks.level, bricks.level_count, share, round(bricks.held_bytes / 1e6))
+        for place, number in enumerate(numbers, start=1):
+            words = words.replace(f"%{place}", str(number), 1)
+        return words
 
     def show_volume(self, volume: Volume | None) -> None:
         """Show what is loaded."""

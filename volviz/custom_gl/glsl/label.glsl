@@ -20,6 +20,7 @@ uint g_label;      // where the segment begins
 float g_border;    // length from there to where another label begins, 1e30 where none that is seen does
 vec4 g_surface;    // straight colour of the surface there
 uint g_owner;      // whose surface it is
+vec3 g_border_gradient;   // along its normal, world
 
 vec4 look_of(uint label) { return texelFetch(t_palette, ivec2(label & 1023u, label >> 10u), 0); }
 
@@ -101,6 +102,7 @@ void find_border(float begin, float segment_length) {
             look.rgb = lit_color(look.rgb, gradient / size, (u_texture_to_centred * vec4(p, 1.0)).xyz, 1.0);
         }
         g_border = t - begin;
+        g_border_gradient = gradient;
         g_surface = look;
         g_owner = owner;
     }

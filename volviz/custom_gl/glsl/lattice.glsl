@@ -51,6 +51,17 @@ bool in_lattice(float t) {
 #endif
 }
 
+// Cut a part of the ray to what lies in the box; false where nothing does.
+bool cut_to_lattice(inout float from, inout float to) {
+#if LATTICES > 1
+    from = max(from, g_near);
+    to = min(to, g_far);
+    return g_hit && to > from;
+#else
+    return true;
+#endif
+}
+
 // Take a sample that stands for a segment.
 void place_in_lattice(float at, float begin, float segment_length) {
     g_at = on_lattice(at);

@@ -15,6 +15,7 @@
 // Layers of labels are surfaces in the matter of the others: before layers_add is called, label.glsl has looked for a
 // border in the segment.
 
+uniform float u_step;                  // world units
 uniform sampler2D t_layer_tables;      // one row for each layer
 uniform sampler3D t_layer_distances;   // fields of empty space, one above the other
 
@@ -52,6 +53,43 @@ void enter_lattices(Ray ray) {
 #pragma each_lattice
     enter_lattice(ray);
 #pragma end
+}
+
+// The part of a ray between where it enters the first layer and where it leaves the last: lengths are counted from its
+// beginning, the ray's new `near`. Gives its length, 0 where there is none.
+float enter_layers(inout Ray ray) {
+    enter_lattices(ray);
+    float near = 1e30, far = -1e30;
+#pragma each_lattice
+#if ADDS
+    if (g_hit) { near = min(near, g_near); far = max(far, g_far); }
+#endif
+#pragma end
+    if (!(far > near)) return 0.0;
+#pragma each_lattice
+    begin_lattice(near);
+#pragma end
+    ray.near = near;
+    return far - near;
+}
+
+// Samples k in [first, last) lie in bricks in which a layer may be visible; advances `first` over those that do not.
+void next_run(float fraction, float inverse_step, float total, int count, inout int first, out int last) {
+    last = first;
+    while (first < count) {
+        float begin = float(first) * u_step;
+        float at = begin + fraction * min(u_step, total - begin);
+        float longest = -1e30;
+#pragma each_lattice
+        longest = max(longest, stay_in_lattice(at, begin, u_step));
+#pragma end
+        int steps = int(min(abs(longest) * inverse_step, 1e6));
+        if (longest > 0.0) {
+            last = min(first + 1 + steps, count);
+            break;
+        }
+        first += max(steps, 1);
+    }
 }
 
 void take_samples(float at, float begin, float segment_length) {

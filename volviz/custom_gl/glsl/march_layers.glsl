@@ -8,43 +8,13 @@
 #include "layer_set.glsl"
 #include <composite>
 
-uniform float u_step;              // world units
 uniform float u_first_sample;      // fraction of a step
 uniform bool u_jitter;
 uniform float u_jitter_seed;
 
-// Samples k in [first, last) lie in bricks in which a layer may be visible; advances `first` over those that do not.
-void next_run(float fraction, float inverse_step, float total, int count, inout int first, out int last) {
-    last = first;
-    while (first < count) {
-        float begin = float(first) * u_step;
-        float at = begin + fraction * min(u_step, total - begin);
-        float longest = -1e30;
-#pragma each_lattice
-        longest = max(longest, stay_in_lattice(at, begin, u_step));
-#pragma end
-        int steps = int(min(abs(longest) * inverse_step, 1e6));
-        if (longest > 0.0) {
-            last = min(first + 1 + steps, count);
-            break;
-        }
-        first += max(steps, 1);
-    }
-}
-
 vec4 march(Ray ray, vec2 pixel) {
-    float near = 1e30, far = -1e30;
-#pragma each_lattice
-    enter_lattice(ray);
-#if ADDS
-    if (g_hit) { near = min(near, g_near); far = max(far, g_far); }
-#endif
-#pragma end
-    if (!(far > near)) return vec4(0.0);
-#pragma each_lattice
-    begin_lattice(near);
-#pragma end
-    float total = far - near;
+    float total = enter_layers(ray);
+    if (!(total > 0.0)) return vec4(0.0);
     layers_begin(total);
     find_labels(0.0);
     if (labels_begin()) return layers_end();

@@ -33,6 +33,8 @@ class LabelResources:
         The indices as they are uploaded; of a volume beyond the limits of the driver, voxels are left out.
     """
 
+    voxel_scale = 1.0
+
     def __init__(self, gpu: Gpu, volume: Volume) -> None:
         self.gpu = gpu
         self.volume = volume

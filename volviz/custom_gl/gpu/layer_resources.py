@@ -52,6 +52,7 @@ class LayerFrame(SampledFrame, Protocol):
     """What of the frame of one layer is read here."""
 
     uniforms: dict[str, Any]
+    isovalues: tuple[float, ...]
     mode: LayerMode
     labels: ShownLabels | None
 
@@ -169,6 +170,7 @@ class LayerResources:
     """
 
     coarsest = 0
+    voxel_scale = 1.0
 
     def __init__(self, gpu: Gpu, images: Sequence[Volume], labels: Sequence[Volume]) -> None:
         self.gpu = gpu
@@ -227,7 +229,7 @@ class LayerResources:
         height = rows_of(max(_entries(layers), default=1))
         defines: dict[str, object] = {
             "LAYERS": len(images), "LABELS": len(layers) - len(images), "LATTICES": len(self.arrangement.leads),
-            "TABLE_FOLDED": height > 1,
+            "TABLE_FOLDED": height > 1, "MASKED": any(layer.mode != "add" for layer in layers),
         }  # fmt: skip
         for n, layer in enumerate(layers):
             lead = self.arrangement.lattices[n]
@@ -236,6 +238,9 @@ class LayerResources:
                 "MODE": ("add", "mask", "modulate").index(layer.mode),
                 "AT_LATTICE": layer_name("g_at", lead),
                 "SHARE_OF_LATTICE": layer_name("g_share", lead),
+                "ON_LATTICE": layer_name("on_lattice", lead),
+                "IN_LATTICE": layer_name("in_lattice", lead),
+                "CUT_TO_LATTICE": layer_name("cut_to_lattice", lead),
             }
             if layer.labels is None:
                 pack, component = self.arrangement.component(n)
@@ -246,10 +251,7 @@ class LayerResources:
                     "TABLE_BASE": float(n * height),
                 }  # fmt: skip
             else:
-                own |= {
-                    "SMOOTH": layer.labels.smooth, "ON_LATTICE": layer_name("on_lattice", lead),
-                    "IN_LATTICE": layer_name("in_lattice", lead),
-                }  # fmt: skip
+                own["SMOOTH"] = layer.labels.smooth
             if lead == n:
                 on_it = [other for m, other in enumerate(layers) if self.arrangement.lattices[m] == n]
                 own["ADDS"] = any(other.mode == "add" for other in on_it)
@@ -368,14 +370,18 @@ class LayerResources:
         """What `_visible` depends on."""
         resources = self.layers[n]
         if isinstance(resources, VolumeResources):
-            return resources.occupancy_key(layer)
+            return (layer.isovalues, layer.step_world) if layer.isovalues else resources.occupancy_key(layer)
         return layer.labels, layer.step_world
 
     def _visible(self, n: int, layer: LayerFrame, *, whole: bool) -> npt.NDArray[np.bool_]:
         """Bricks of a layer in which anything may be seen."""
         resources = self.layers[n]
+        # how far from a brick a segment may begin or end that crosses something in it
+        within = min(layer.volume.spacing) * BRICK
         if isinstance(resources, VolumeResources):
-            return resources.occupied(layer)
+            if not layer.isovalues:
+                return resources.occupied(layer)
+            return grow_occupancy(resources.crossed(layer.isovalues), math.ceil(layer.step_world / within))
         assert layer.labels is not None
         found = resources.visible_bricks(layer.labels.look, whole=whole)
         # a border is looked for along whole segments, half a step to either side of a sample

@@ -123,6 +123,11 @@ class VolumeResources:
         return empty_scalars(self.gpu, texels, 1, self.volume.name)
 
     @property
+    def voxel_scale(self) -> float:
+        """Voxels of the volume that one of the finest level drawn is long: 1 unless finer ones are not there yet."""
+        return 1.0
+
+    @property
     def complete(self) -> bool:
         """Whether all scalars are on the GPU."""
         return self._pack is not None or self._uploaded >= len(self._levels[0][0].data)
@@ -342,12 +347,13 @@ class VolumeResources:
         """Empty-space field for surfaces of these isovalues (data units)."""
         key = tuple(float(v) for v in isovalues)
 
-        def make() -> Any:
-            bricks = bricks_of(self.volume)
-            return self._distance_texture(occupancy_for_isovalues(bricks.low, bricks.high, key))
-
         slot = f"isovalues, {max(self.texels.factor)} voxels a texel"
-        return self._cached(self._distances, slot, key, make)
+        return self._cached(self._distances, slot, key, lambda: self._distance_texture(self.crossed(key)))
+
+    def crossed(self, isovalues: Sequence[float]) -> npt.NDArray[np.bool_]:
+        """Bricks that surfaces of these isovalues (data units) may cross, shape (b_z, b_y, b_x)."""
+        bricks = bricks_of(self.volume)
+        return occupancy_for_isovalues(bricks.low, bricks.high, isovalues)
 
     def _distance_texture(self, occupied: Any) -> Any:
         return distance_texture(self.gpu, distance_codes(occupied, max(self.texels.factor)))

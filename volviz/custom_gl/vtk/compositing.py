@@ -35,6 +35,8 @@ class ImageKey(NamedTuple):
         Matrices of the camera.
     scene : object
         Opaque geometry (`SceneDepth.key`).
+    bricks : int
+        Of a volume that is drawn brick by brick, which of them are there (`VolumeTextures.revision`).
     """
 
     revision: int
@@ -42,6 +44,7 @@ class ImageKey(NamedTuple):
     view: bytes
     projection: bytes
     scene: Any
+    bricks: int
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
+
+if TYPE_CHECKING:
+    from volviz.volume_data.brick_cache.cache import BrickStatus
 
 Quality = Literal["fast", "balanced", "full"]
 
@@ -86,7 +89,7 @@ class FrameStatus:
     seconds : float
         Time that drawing this image took.
     complete : bool
-        Whether it is the full image.
+        Whether it is the full image, with all bricks that it needs.
     progress : float
         Part of the full image that is ready, 0..1.
     notice : str
@@ -97,6 +100,8 @@ class FrameStatus:
         Images of which the mean is shown; 1 until further ones have been drawn at rest.
     gpu_seconds : float or None
         The same time by OpenGL's own clock, where that was asked for.
+    bricks : BrickStatus or None
+        Of a volume that is drawn brick by brick, how much of what the view needs is there.
     """
 
     resolution: float = 1.0
@@ -107,6 +112,7 @@ class FrameStatus:
     waiting: float | None = None
     samples: int = 1
     gpu_seconds: float | None = None
+    bricks: BrickStatus | None = None
 
 
 class CostModel:

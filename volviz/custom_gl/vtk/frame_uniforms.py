@@ -38,7 +38,7 @@ def shared_uniforms(frame: Frame) -> dict[str, Any]:
         "u_scalar_map": (texels.scale, texels.offset),
         "u_voxels": tuple(1.0 / scale),
         "u_gradient_to_world": np.linalg.inv(volume.index_to_world[:3, :3]).T,
-        "u_gradient_delta": common.gradient_delta,
+        "u_gradient_delta": common.gradient_delta * frame.resources.voxel_scale,
         # 0 leaves nothing out, not even what lies below the bulk of the values
         "u_density_threshold": common.density_threshold or -LARGEST_FLOAT,
         "u_inverse_unit_distance": 1.0 / frame.unit_distance,

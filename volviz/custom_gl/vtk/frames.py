@@ -21,12 +21,29 @@ from volviz.custom_gl.vtk.renderer_view import RendererView
 from volviz.custom_gl.vtk.window_gpu import Textures
 from volviz.model.clipping import Clipping
 from volviz.tasks import Tasks
+from volviz.volume_data.brick_cache.selection import BrickView
 
 
 def frame_size(view: RendererView, level: QualityLevel) -> tuple[int, int]:
     """Width and height of an image of that level, in pixels."""
     width, height, _, _ = view.rectangle()
     return max(round(width * level.fraction), 1), max(round(height * level.fraction), 1)
+
+
+def brick_view(shown: ResolvedSpec, view: RendererView) -> BrickView:
+    """From where the bricks of what is shown are seen, at full resolution."""
+    camera, volume = view.camera(), shown.drawn_volume
+    height = view.rectangle()[1]
+    return BrickView(
+        index_to_clip=camera.view_projection @ volume.index_to_world,
+        eye=camera.eye,
+        direction=camera.direction,
+        index_to_world=volume.index_to_world,
+        pixel=float(2.0 / (camera.projection[1, 1] * height)),
+        parallel=camera.parallel,
+        crop=np.array(shown.drawn_crop).reshape(3, 2),
+        planes=shown.drawn_planes,
+    )
 
 
 def make_frame(
@@ -69,7 +86,7 @@ def make_frame(
     """
     width, height, _, _ = view.rectangle()
     joint = textures if isinstance(textures, LayerResources) else None
-    volume = shown.volumes[0]
+    volume = shown.drawn_volume
     frame = Frame(
         gpu=gpu,
         target=target,
@@ -81,7 +98,7 @@ def make_frame(
         settings=shown.settings,
         common=shown.common,
         isovalues=shown.isovalues,
-        unit_distance=shown.unit_distance_of(volume),
+        unit_distance=shown.unit_distance_of(shown.volumes[0]),
         camera=jittered_camera(view.camera(), target.size, sequence),
         light_position=np.array(shown.light_position),
         light_color=shown.light.color,
@@ -89,7 +106,7 @@ def make_frame(
         crop=shown.drawn_crop,
         planes=shown.drawn_planes,
         scene_depth=scene_depth,
-        step_scale=level.step_scale,
+        step_scale=level.step_scale * textures.voxel_scale,
         level=0,
         sequence=sequence,
         interactive=level != FULL,
@@ -120,6 +137,8 @@ def _add_layers(frame: Frame, shown: ResolvedSpec, joint: LayerResources) -> Non
             unit_distance=shown.unit_distance_of(layer.volume),
             crop=shown.crop if shown.is_one_lattice else Clipping().crop_within(layer.volume.dimensions),
             mode=layer.mode,
+            isovalues=shown.isovalues_of(layer),
+            leads=shown.leads(layer),
             labels=layer.shown if isinstance(layer, ResolvedLabels) else None,
             joined_to=frame,
             joint=None,

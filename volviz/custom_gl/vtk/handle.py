@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz.custom_gl.arguments import changed_spec
-from volviz.custom_gl.picking import Picked, Sight, first_visible
+from volviz.custom_gl.picking import Picked, Sight, first_label, first_visible
 from volviz.custom_gl.resolve import ResolvedSpec, Volumes, resolve
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.vtk.frame_scheduling import FrameScheduler, Quality
@@ -218,19 +218,23 @@ class VolumeHandle(ViewRenderer):
         Returns
         -------
         Picked or None
-            World position, voxel, value and (for surfaces) isovalue; None where nothing of the volume is seen. Of
-            several layers, the one that alone would be seen nearest.
+            World position, voxel, value and (for surfaces) isovalue or label; None where nothing of the volume is
+            seen. Of several layers, the one that alone would be seen nearest.
         """
         camera, (width, height, _, _) = self.view.camera(), self.view.rectangle()
         ray = pixel_ray(camera.view, camera.projection, (width, height), (x, y))
         shown = self._shown
         found = []
+        looks = {id(layer.volume): layer.shown.look for layer in shown.labels}
         for volume, function in shown.seen:
             crop = shown.crop if shown.is_one_lattice else Clipping().crop_within(volume.dimensions)
             sight = Sight(
                 volume, function, shown.settings, shown.common, ray, crop, shown.drawn_planes, shown.isovalues
             )
-            picked = (shown.info.pick or first_visible)(sight)
+            look = looks.get(id(volume))
+            picked = (
+                first_label(sight, look) if look is not None else (shown.info.pick or first_visible)(sight)
+            )
             if picked is not None:
                 found.append(picked)
         return min(found, key=lambda picked: np.linalg.norm(picked.position - ray.start), default=None)

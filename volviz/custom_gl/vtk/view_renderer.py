@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -24,7 +25,7 @@ from volviz.custom_gl.vtk.frame_scheduling import (
     QualityLevel,
     StatusListener,
 )
-from volviz.custom_gl.vtk.frames import frame_size, make_frame
+from volviz.custom_gl.vtk.frames import brick_view, frame_size, make_frame
 from volviz.custom_gl.vtk.hook import HOOK_ACTORS, Hook
 from volviz.custom_gl.vtk.progressive import Accumulation, ProgressiveRendering
 from volviz.custom_gl.vtk.renderer_view import RendererView
@@ -33,6 +34,7 @@ from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
 from volviz.custom_gl.vtk.window_gpu import VolumeTextures, WindowGpu, acquire, give_back
 from volviz.errors import RenderError
 from volviz.tasks import BackgroundTask
+from volviz.volume_data.brick_cache.selection import BrickView
 from volviz.volume_data.volume import Volume
 
 #: A turn of an event loop may be held up so long by a full image.
@@ -84,12 +86,15 @@ class ViewRenderer:
     share : float
         Part of the time of an interactive frame that this volume may take, 0..1; less than 1 where several
         viewports are drawn together.
+    shows_unfinished : bool
+        Whether full images are drawn at rest before all bricks that they need are there.
     on_gpu_clock : bool
         Whether full images are timed by OpenGL's own clock, too (`FrameStatus.gpu_seconds`).
     """
 
     accumulates: bool = True
     on_gpu_clock: bool = False
+    shows_unfinished: bool = True
 
     def __init__(
         self, renderer: Any, window: Any, shown: ResolvedSpec, scheduler: FrameScheduler | None
@@ -161,6 +166,11 @@ class ViewRenderer:
         """Whether nothing more can be drawn before a task in the background has ended; then the pacer is woken."""
         return self._waits
 
+    @property
+    def is_missing_bricks(self) -> bool:
+        """Whether bricks that the view needs are still to come."""
+        return self._textures.is_missing
+
     def wait(self, timeout: float | None = None) -> None:
         """Wait for what the next image needs: for scripts, never in a turn of an event loop.
 
@@ -169,7 +179,7 @@ class ViewRenderer:
         timeout : float, optional
             Seconds after which to give up.
         """
-        if self._textures.tasks.wait(timeout):
+        if self._textures.wait(timeout):
             self._runner.tasks.wait(timeout)
 
     def _on_task(self, task: BackgroundTask[Any]) -> None:
@@ -246,6 +256,8 @@ class ViewRenderer:
             return False
         if not self._textures.upload(self._shown, budget):
             return False
+        if not self._bricks_are_settled(begin + budget):
+            return False
         key = self._key()
         if self._image is not None and self._image.key == key and self._image.level == FULL:
             return self._refine_further(key, self._image.target, budget)
@@ -267,6 +279,30 @@ class ViewRenderer:
         self._refinement = None
         self._report(FrameStatus(1.0, work.seconds, True, 1.0, gpu_seconds=work.gpu_seconds))
         return True
+
+    def _bricks_are_settled(self, end: float) -> bool:
+        """Whether the full image may be drawn or gone on with; otherwise bricks are still to come."""
+        if self._refinement is not None and self._refinement.key == self._key():
+            # what is half drawn is finished with the bricks that it began with
+            return True
+        if not self._textures.follow(self._brick_view(), max(end - time.perf_counter(), 0.0)):
+            return False
+        image = self._image
+        shown = image is not None and image.key == self._key() and image.level == FULL
+        if self._textures.is_missing and (shown or not self.shows_unfinished):
+            self._waits = True
+            self._report(replace(self.status, complete=False))
+            return False
+        if shown and not self.status.complete:
+            # what was missing cannot be read: nothing better will come
+            self._report(replace(self.status, complete=True))
+        return True
+
+    def _brick_view(self) -> BrickView | None:
+        """From where bricks are seen; None where nothing is drawn brick by brick."""
+        if self._textures.bricks is None:
+            return None
+        return brick_view(self._shown, self.view)
 
     def _tile(self, budget: float) -> tuple[int, int]:
         """Size of the tiles of a full image: smaller ones where large ones would hold up the event loop."""
@@ -292,7 +328,11 @@ class ViewRenderer:
 
     def _more_images(self, key: ImageKey) -> bool:
         """Whether images are to follow the full one of that key, which is shown."""
-        if not self.accumulates or not self._runner.reported("accumulates", True):
+        if (
+            self._textures.is_missing
+            or not self.accumulates
+            or not self._runner.reported("accumulates", True)
+        ):
             return False
         return self._accumulation.ask(key, self._cost.full_seconds or 0.0)
 
@@ -377,10 +417,13 @@ class ViewRenderer:
             return
         if self.scheduler is None:
             self._textures.of(self._shown).upload()
+            self._textures.follow(self._brick_view(), math.inf)
+        elif self._refinement is None or self._refinement.key != self._key():
+            self._textures.follow(None if self._interacting else self._brick_view(), UPLOAD_SECONDS)
         key = self._key()
         has_news = has_news and self._interacting > 0
         if self._image is not None and self._image.key == key and not has_news:
-            waits = self._image.level != FULL or self._more_images(key)
+            waits = self._image.level != FULL or self.is_missing_bricks or self._more_images(key)
             if waits and self.scheduler is not None and not self._interacting:
                 self.scheduler.request(self)
             return
@@ -395,7 +438,8 @@ class ViewRenderer:
         if level == FULL and not self._textures.of(self._shown).complete:
             level = LEVELS[1]
         self._draw_at(level, key)
-        if not self._interacting and (level != FULL or (self.status.complete and self._more_images(key))):
+        waits = level != FULL or self.is_missing_bricks
+        if not self._interacting and (waits or (self.status.complete and self._more_images(key))):
             self.scheduler.request(self)
 
     def _draw_at(self, level: QualityLevel, key: ImageKey) -> None:
@@ -463,6 +507,7 @@ class ViewRenderer:
             camera.view.tobytes(),
             camera.projection.tobytes(),
             self._depth.key,
+            self._textures.revision,
         )
 
     def _capture_depth(self, gpu: Gpu) -> None:
@@ -525,7 +570,9 @@ class ViewRenderer:
         self._report(FrameStatus(self.status.resolution, 0.0, True, 1.0))
 
     def _report(self, status: FrameStatus) -> None:
-        self.status = replace(status, notice=self.notice)
+        bricks = None if self._textures.bricks is None else self._textures.bricks.status
+        complete = status.complete and not self.is_missing_bricks
+        self.status = replace(status, notice=self.notice, bricks=bricks, complete=complete)
         for listener in list(self.on_status):
             listener(self.status)
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from volviz.custom_gl.gpu.brick_resources import BrickResources
 from volviz.custom_gl.gpu.context import Gpu
 from volviz.custom_gl.gpu.layer_resources import LayerResources
 from volviz.custom_gl.gpu.resources import VolumeResources, texel_limits
 from volviz.custom_gl.resolve import ResolvedSpec
 from volviz.tasks import Done, LatestResult, Tasks
 from volviz.volume_data.label_indices import are_labels_known, label_indices_of
-from volviz.volume_data.scalars import is_prepared, prepare
+from volviz.volume_data.scalars import is_prepared, prepare, reduction
 from volviz.volume_data.volume import Volume
+
+if TYPE_CHECKING:
+    from volviz.volume_data.brick_cache.selection import BrickView
 
 #: Environment variable that leaves multisampling on with software OpenGL.
 KEEP_MULTISAMPLING = "VOLVIZ_KEEP_MULTISAMPLING"
@@ -57,22 +62,29 @@ class WindowGpu:
         """Whether anything was put on the GPU."""
         return self._gpu is not None
 
-    def resources(
-        self, images: Sequence[Volume], labels: Sequence[Volume]
-    ) -> VolumeResources | LayerResources:
-        """Textures of a volume, or of layers that are drawn together; every caller returns them by `drop` once."""
-        key = _key(images, labels)
+    def resources(self, wanted: Wanted, on_brick: Done) -> VolumeResources | LayerResources:
+        """Textures of a volume, or of layers that are drawn together; every caller returns them by `drop` once.
+
+        Those of a volume that is drawn brick by brick belong to one caller, who is told of bricks by `on_brick`.
+        """
+        key = _key(wanted, on_brick)
         held = self._volumes.get(key)
         if held is None:
+            images, labels, bricks = wanted
             one = len(images) == 1 and not labels
-            made = VolumeResources(self.gpu, images[0]) if one else LayerResources(self.gpu, images, labels)
+            if bricks:
+                made: VolumeResources | LayerResources = BrickResources(self.gpu, images[0], on_brick)
+            else:
+                made = (
+                    VolumeResources(self.gpu, images[0]) if one else LayerResources(self.gpu, images, labels)
+                )
             held = (made, 0)
         self._volumes[key] = (held[0], held[1] + 1)
         return held[0]
 
-    def drop(self, images: Sequence[Volume], labels: Sequence[Volume]) -> None:
+    def drop(self, wanted: Wanted, on_brick: Done) -> None:
         """Give textures back; those that nobody uses any more are released."""
-        key = _key(images, labels)
+        key = _key(wanted, on_brick)
         held, users = self._volumes[key]
         if users > 1:
             self._volumes[key] = (held, users - 1)
@@ -110,8 +122,18 @@ class WindowGpu:
             self._gpu = None
 
 
-def _key(images: Sequence[Volume], labels: Sequence[Volume]) -> Hashable:
-    return tuple(id(volume) for volume in images), tuple(id(volume) for volume in labels)
+class Wanted(NamedTuple):
+    """Whose textures are meant, and whether they hold bricks of several levels."""
+
+    images: tuple[Volume, ...] = ()
+    labels: tuple[Volume, ...] = ()
+    bricks: bool = False
+
+
+def _key(wanted: Wanted, on_brick: Done) -> Hashable:
+    images, labels = (tuple(id(volume) for volume in volumes) for volumes in wanted[:2])
+    # bricks are chosen for one view, by who looks at them
+    return images, labels, on_brick if wanted.bricks else None
 
 
 _WINDOWS: dict[str, WindowGpu] = {}
@@ -142,6 +164,7 @@ class NoTextures:
 
     complete = True
     finest = coarsest = 0
+    voxel_scale = 1.0
 
     def upload(self, max_bytes: int | None = None) -> bool:
         """There is nothing to upload."""
@@ -164,7 +187,7 @@ def _prepare(gpu: Gpu, images: Sequence[Volume], labels: Sequence[Volume], *, al
         label_indices_of(volume)
 
 
-def _images_and_labels(shown: ResolvedSpec) -> tuple[tuple[Volume, ...], tuple[Volume, ...]]:
+def _volumes_of(shown: ResolvedSpec) -> tuple[tuple[Volume, ...], tuple[Volume, ...]]:
     return tuple(layer.volume for layer in shown.layers), tuple(layer.volume for layer in shown.labels)
 
 
@@ -188,20 +211,35 @@ class VolumeTextures:
         self._window_gpu = window_gpu
         self.tasks = Tasks(on_task)
         self._prepared: LatestResult[Any, bool] = LatestResult("scalars", cancels=False)
+        self._on_task = on_task
         self._held: VolumeResources | LayerResources | None = None
-        self._volumes: tuple[tuple[Volume, ...], tuple[Volume, ...]] = ((), ())
+        self._wanted = Wanted()
 
     def are_made(self, shown: ResolvedSpec) -> bool:
         """Whether there are textures for what is shown, or none are needed."""
         if not shown.info.uses_textures:
             return True
-        return self._held is not None and self._volumes == _images_and_labels(shown)
+        return self._held is not None and self._wanted == self._wanted_for(shown)
+
+    def _wanted_for(self, shown: ResolvedSpec) -> Wanted:
+        """What is shown, and whether it must be drawn brick by brick: it does not fit into memory or one texture."""
+        images, labels = _volumes_of(shown)
+        if shown.is_joint or not shown.info.draws_bricks:
+            return Wanted(images, labels)
+        volume = shown.drawn_volume
+        bricks = volume is not images[0]
+        if not bricks:
+            limits = texel_limits(self._window_gpu.gpu, volume, alone=True)
+            bricks = reduction(volume.array.shape, *limits) != (1, 1, 1)
+        return Wanted((volume,), labels, bricks)
 
     def can_be_made(self, shown: ResolvedSpec) -> bool:
         """Whether they can be made without computing texels here first; if not, a task begins to compute them."""
         if self.are_made(shown):
             return True
-        images, labels = _images_and_labels(shown)
+        images, labels, bricks = self._wanted_for(shown)
+        if bricks:
+            return True
         alone = len(images) == 1 and not labels
         gpu = self._window_gpu.gpu
         limits = tuple((volume, *texel_limits(gpu, volume, alone=alone)) for volume in images)
@@ -232,14 +270,57 @@ class VolumeTextures:
     def of(self, shown: ResolvedSpec) -> Textures:
         """The textures of what is shown, made if need be; those of other volumes are given back."""
         needed = shown.info.uses_textures
-        if self._held is not None and (self._volumes != _images_and_labels(shown) or not needed):
+        if self._held is not None and not (needed and self.are_made(shown)):
             self.release()
         if not needed:
             return NO_TEXTURES
         if self._held is None:
-            self._volumes = _images_and_labels(shown)
-            self._held = self._window_gpu.resources(*self._volumes)
+            self._wanted = self._wanted_for(shown)
+            self._held = self._window_gpu.resources(self._wanted, self._on_task)
         return self._held
+
+    # ------------------------------------------------------------------ bricks
+
+    @property
+    def bricks(self) -> BrickResources | None:
+        """What is drawn brick by brick, None where nothing is."""
+        return self._held if isinstance(self._held, BrickResources) else None
+
+    @property
+    def revision(self) -> int:
+        """Grows when other bricks are to be seen."""
+        return 0 if self.bricks is None else self.bricks.revision
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether bricks that the view needs are still to come."""
+        return self.bricks is not None and self.bricks.is_missing
+
+    def follow(self, view: BrickView | None, seconds: float) -> bool:
+        """Take bricks that have been read, and ask for what a view needs; whether none waits to be taken.
+
+        Parameters
+        ----------
+        view : BrickView or None
+            None while something moves.
+        seconds : float
+            About how long it may take; infinite: until nothing is missing.
+        """
+        bricks = self.bricks
+        if bricks is None:
+            return True
+        settled = bricks.look(view, seconds)
+        while math.isinf(seconds) and bricks.is_missing:
+            bricks.cache.wait()
+            settled = bricks.look(view, seconds)
+        return settled
+
+    def wait(self, timeout: float | None) -> bool:
+        """Wait for what is being prepared or read; whether nothing is any more."""
+        ended = self.tasks.wait(timeout)
+        if self.bricks is not None:
+            self.bricks.cache.wait(timeout)
+        return ended
 
     def upload(self, shown: ResolvedSpec, budget: float) -> bool:
         """Fill them for about `budget` seconds; True when they are full."""
@@ -254,7 +335,10 @@ class VolumeTextures:
 
     @property
     def notice(self) -> str:
-        """A sentence where several voxels had to become one texel; empty otherwise."""
+        """A sentence where several voxels had to become one texel, or parts cannot be read; empty otherwise."""
+        if self.bricks is not None:
+            failure = self.bricks.cache.failure
+            return failure and f"Parts of the volume are seen coarser: {failure}"
         if self._held is None or max(self._held.full_factor) == 1:
             return ""
         blocks = " x ".join(str(n) for n in self._held.full_factor)
@@ -271,5 +355,5 @@ class VolumeTextures:
     def release(self) -> None:
         """Give them back; the context is current."""
         if self._held is not None:
-            self._window_gpu.drop(*self._volumes)
-            self._held, self._volumes = None, ((), ())
+            self._window_gpu.drop(self._wanted, self._on_task)
+            self._held, self._wanted = None, Wanted()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from volviz.io.dicom.finding import DIRECTORY_NAME, files_below, files_of_direct
 from volviz.io.dicom.headers import Frame, read_frames
 from volviz.io.dicom.pixels import is_scaled_alike, slices_of, values_of
 from volviz.io.dicom.segmentation import label_map
+from volviz.io.dicom.structures import StructureSet, filled, own_lattice, structure_set
 from volviz.io.file_source import file_source
 from volviz.io.geometry import is_usable
 from volviz.io.memory import check_memory
@@ -28,7 +30,12 @@ if TYPE_CHECKING:
 
 
 def open_source(request: LoadRequest) -> FileSource:
-    """The largest series of a folder, or the one asked for, with all its time points."""
+    """The largest series of a folder, or the one asked for, with all its time points; outlines of a structure set."""
+    path = request.path
+    if path.is_file() and path.name.upper() != DIRECTORY_NAME and not read_frames(path):
+        outlined = structure_set(path)
+        if outlined is not None:
+            return _structures(request, outlined)
     frames = _frames(request)
     if not frames:
         raise request.error("it holds no DICOM image that can be read; choose another one.")
@@ -178,6 +185,45 @@ def _filled(array: npt.NDArray[Any], slices: lattice.SliceLattice) -> npt.NDArra
         value = array[before] + share * (array[after].astype(np.float64) - array[before])
         result[place] = np.rint(value) if array.dtype.kind in "ui" else value
     return result
+
+
+def _structures(request: LoadRequest, outlined: StructureSet) -> FileSource:
+    """Labels inside of outlines, on the lattice of the images beside them, or one around the outlines."""
+    if not outlined.structures:
+        raise request.error("this structure set holds no closed outlines; there is nothing to fill.")
+    if outlined.left_out:
+        request.note(f"{outlined.left_out} points and open lines, which enclose nothing, were left out.")
+    folder = request.path.parent
+    frames = [
+        frame
+        for path in files_below(folder)
+        for frame in read_frames(path)
+        if frame.file.series in outlined.series and not frame.file.cut_off
+    ]
+    if len(frames) > 1:
+        # what is said of the images is said when they are opened
+        quiet = replace(request, notes=[])
+        stack = grouping.volumes(quiet, grouping.one_kind(quiet, frames))[0]
+        slices, geometry = _lattice(quiet, stack)
+        dimensions = (stack[0].columns, stack[0].rows, slices.count)
+        steps = np.reshape(geometry.direction, (3, 3)) * np.asarray(geometry.spacing)
+        matrix = np.c_[steps, geometry.origin]
+    else:
+        matrix, dimensions = own_lattice(outlined)
+        geometry = request.geometry(matrix)
+        request.note(
+            "The images on which the outlines were drawn do not lie in its folder; they are filled on a lattice of "
+            f"{geometry.spacing[0]:.3g} mm around them."
+        )
+
+    def values(request: LoadRequest) -> npt.NDArray[Any]:
+        return to_zyx(filled(request, outlined, matrix, dimensions), "ZYX", request)
+
+    return file_source(
+        request, values, "ZYX", dimensions[::-1], geometry, format="DICOM",
+        name=f"Outlines of {len(outlined.structures)} structures", is_labels=True,
+        labels=[each.label for each in outlined.structures], length_unit="mm", modality="RTSTRUCT",
+    )  # fmt: skip
 
 
 def _segmentation(request: LoadRequest, frames: list[Frame]) -> FileSource:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from volviz.kernels.halving import halved
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -61,7 +63,7 @@ def _write(content: Content, request: SaveRequest, version: Version) -> None:
             for level, store in enumerate(arrays):
                 if level:
                     step = tuple(b // a for a, b in zip(factors[level - 1], factors[level], strict=True))
-                    array = _halved(array, step, is_labels=content.is_labels)
+                    array = halved(array, step, is_labels=content.is_labels)
                 # finest takes most of the time
                 request.report(first + (last - first) * (0.0 if level == 0 else 0.8))
                 _fill(store, index, array, request)
@@ -139,25 +141,6 @@ def _reduced(shape: tuple[int, ...], factor: tuple[int, int, int]) -> tuple[int,
         reduced = tuple(-(-n // s) for n, s in zip(reduced, step, strict=True))
         at = (at[0] * step[0], at[1] * step[1], at[2] * step[2])
     return reduced
-
-
-def _halved(array: npt.NDArray[Any], step: tuple[int, ...], *, is_labels: bool) -> npt.NDArray[Any]:
-    """Means of blocks of 1 or 2 voxels along each axis; what the last block lacks is its last voxel again."""
-    if is_labels:
-        return array[:: step[0], :: step[1], :: step[2]]
-    pad = [(0, -n % s) for n, s in zip(array.shape, step, strict=True)]
-    if any(after for _, after in pad):
-        array = np.pad(array, pad, mode="edge")
-    real = np.float32 if array.dtype.itemsize <= 2 or array.dtype == np.float32 else np.float64
-    corners = [
-        array[a :: step[0], b :: step[1], c :: step[2]]
-        for a in range(step[0]) for b in range(step[1]) for c in range(step[2])
-    ]  # fmt: skip
-    mean: npt.NDArray[np.float64] = corners[0].astype(real)
-    for corner in corners[1:]:
-        mean += corner
-    mean /= len(corners)
-    return (np.rint(mean) if array.dtype.kind in "ui" else mean).astype(array.dtype)
 
 
 def _metadata(

@@ -75,6 +75,6 @@ def _chosen(volume: Volume) -> list[Look]:
         return looks_of_labels(evidence, evidence.labels)
     if evidence.is_distance:
         return looks_of_distances(evidence)
-    if evidence.is_smooth and not evidence.is_mirrored:
+    if evidence.is_field and not evidence.is_mirrored:
         return looks_of_field(evidence)
     return looks_of_scan(evidence)

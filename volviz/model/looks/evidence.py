@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from volviz.kernels.histogram import even_histogram
 from volviz.model.transfer.first_look import FirstLook, Floats
 from volviz.model.transfer.label_values import label_values
 from volviz.model.transfer.levels import Levels, is_dark_on_bright, levels_of
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 EVEN_GRADIENT = 0.25
 #: Largest step from voxel to voxel, in ranges of the data, at the steepest places of a field without borders.
 SMOOTH_STEP = 0.12
+#: A field has no background, whose values would fill one of 64 bins: at most so much of it lies in one. And along one
+#: axis at least it is free of grain: second differences are smaller than first ones.
+BINS, COMMONEST, GRAIN = 64, 0.15, 0.9
 #: Litres of tissue in a brain without its skull, and in a head.
 BRAIN_LITRES, HEAD_LITRES = (0.7, 2.2), (2.2, 7.0)
 #: Share of both halves of a head that agree when one is laid over the other.
@@ -97,27 +101,43 @@ class Evidence:
 
     @cached_property
     def is_smooth(self) -> bool:
-        """Whether nothing in the middle of the volume has a border: a field, not a scan of things."""
-        block = np.asarray(
-            self.volume.finite_array[
-                tuple(
-                    slice(max(n - BLOCK, 0) // 2, max(n - BLOCK, 0) // 2 + BLOCK)
-                    for n in self.volume.array.shape
-                )
-            ],
-            np.float64,
-        )
+        """Whether nothing in the middle of the volume has a border."""
         span = self.look.high - self.look.low
-        steps = [np.abs(np.diff(block, axis=axis)).ravel() / span for axis in range(3)]
+        steps = [np.abs(np.diff(self._block, axis=axis)).ravel() / span for axis in range(3)]
         return bool(np.quantile(np.concatenate(steps), 0.99) < SMOOTH_STEP)
+
+    @cached_property
+    def is_field(self) -> bool:
+        """Whether the values are those of a field, from simulation or mathematics, and not a scan of things."""
+        if self.is_smooth:
+            return True
+        look, block = self.look, self._block
+        counts, _ = even_histogram(look.values.ravel(), BINS, look.low, look.high)
+        if counts.max() > COMMONEST * counts.sum():
+            return False
+        axes = [axis for axis in range(3) if block.shape[axis] > 3]
+        first, second = (
+            np.array([np.abs(np.diff(block, n, axis=axis)).mean() for axis in axes]) for n in (1, 2)
+        )
+        return bool((second < GRAIN * first).any())
+
+    @cached_property
+    def _block(self) -> Floats:
+        """Voxels in the middle of the volume, float64."""
+        middle = tuple(
+            slice(max(n - BLOCK, 0) // 2, max(n - BLOCK, 0) // 2 + BLOCK) for n in self.volume.array.shape
+        )
+        return np.asarray(self.volume.finite_array[middle], np.float64)
 
     @cached_property
     def anatomy(self) -> str:
         """What size and symmetry in the frame of a patient speak for: "head", "brain", or nothing."""
         volume = self.volume
-        if volume.metadata.get("length_unit") != "mm" or self.hu_offset is not None or self.is_smooth:
+        if volume.metadata.get("length_unit") != "mm" or self.hu_offset is not None or self.is_field:
             return ""
-        matter = self.look.values > self.border
+        levels = self.levels
+        # lower than the surface: thin skin counts as well
+        matter = self.look.values > levels.start + 0.3 * (levels.steps[0] - levels.start)
         # the index axis along which left and right lie, as an axis of the array
         across = 2 - int(np.argmax(np.abs(volume.direction[0])))
         both = matter & np.flip(matter, across)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.looks.evidence import Evidence
 from volviz.model.looks.look import TRANSLUCENT, Look, lit, shells
 from volviz.model.looks.projections import brightest, x_ray
@@ -19,16 +20,23 @@ SHELL_COLORS: tuple[Color, ...] = (
 )
 SHELL_OPACITIES = (0.18, 0.3, 0.5, 1.0)
 ONE_COLOR: Color = (0.87, 0.79, 0.65)
+#: Voxels to either side over which gradients are taken: steps of 8-bit data must not roughen surfaces.
+SMOOTH = 1.5
 #: Shares of the rays through the box that meet the shells.
-COVERED = (0.42, 0.22, 0.10, 0.035)
+COVERED = (0.42, 0.22, 0.10, 0.05)
+#: No shell lies nearer to either end of the range than this share of it: there the data have hardly any levels.
+LEAST_VALUE = 0.08
 
 
 def looks_of_field(evidence: Evidence) -> list[Look]:
-    """Nested surfaces first."""
+    """Nested surfaces first; a single one where the field is steep, since nested ones would hide each other."""
     values = _shell_values(evidence)
     nested = _nested(evidence, values)
-    middle = values[len(values) // 2 - 1] if len(values) > 1 else values[0]
-    return [nested, _one(evidence, middle), _cloud(evidence), x_ray(evidence), brightest(evidence)]
+    rest = [_cloud(evidence), x_ray(evidence), brightest(evidence)]
+    if evidence.is_smooth:
+        middle = values[len(values) // 2 - 1] if len(values) > 1 else values[0]
+        return [nested, _one(evidence, middle), *rest]
+    return [_one(evidence, auto_isovalue(evidence.volume)), nested, *rest]
 
 
 def looks_of_distances(evidence: Evidence) -> list[Look]:
@@ -45,7 +53,8 @@ def _shell_values(evidence: Evidence) -> list[float]:
     _, largest = evidence.along_rays()
     values = [float(v) for v in np.unique(np.quantile(largest, [1.0 - share for share in COVERED]))]
     low, high = evidence.look.low, evidence.look.high
-    return [v for v in values if low < v < high] or [0.5 * (low + high)]
+    margin = LEAST_VALUE * (high - low)
+    return sorted({min(max(v, low + margin), high - margin) for v in values})
 
 
 def _nested(evidence: Evidence, values: list[float]) -> Look:
@@ -54,7 +63,7 @@ def _nested(evidence: Evidence, values: list[float]) -> Look:
         for n, value in enumerate(values)
     ]
     words = "Surfaces of equal value, one inside the other."
-    return shells("shells", "Shells", words, surfaces, _width(evidence))
+    return shells("shells", "Shells", words, surfaces, _width(evidence), gradient_delta=SMOOTH)
 
 
 def _one(evidence: Evidence, value: float) -> Look:

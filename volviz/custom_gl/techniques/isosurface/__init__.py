@@ -40,7 +40,9 @@ TECHNIQUE = TechniqueInfo(
         "shininess": 250.0,
     },
     uses_transfer_function=False,
+    draws_bricks=True,
     order=40,
     study=bisections,
     oracle=isosurfaces,
+    draws_layers=True,
 )

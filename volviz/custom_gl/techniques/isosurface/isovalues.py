@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from volviz.custom_gl.techniques.isosurface.settings import IsosurfaceSettings
+    from volviz.model.transfer.function import TransferFunction
 
 #: By so much of the data range isovalues are lowered on the GPU: samples that *are* the isovalue count as
 #: inside despite the rounding of float32, so that plateaus at it are not torn. It is a ten-thousandth of a
@@ -58,6 +59,20 @@ class Surfaces:
         for row, (color, opacity) in enumerate(zip(self.colors, self.opacities, strict=True)):
             rows[row] = (*color, opacity)
         return rows.ravel()
+
+
+def layer_surfaces(
+    isovalues: tuple[float, ...], settings: IsosurfaceSettings, function: TransferFunction, *, leads: bool
+) -> Surfaces:
+    """The surfaces of one of several layers: in the colours of settings where those say the isovalues, else its own."""
+    if leads and settings.isovalues is not None:
+        found = shown_surfaces(isovalues, settings)
+        return replace(found, opacities=tuple(a * function.opacity for a in found.opacities))
+    values = np.array(isovalues)
+    if not np.isfinite(values).all():
+        return Surfaces(isovalues, ((0.0, 0.0, 0.0),), (0.0,))
+    red, green, blue = (float(c) for c in function.evaluate(values)[0, :3])
+    return Surfaces(isovalues, ((red, green, blue),), (function.opacity,))
 
 
 def shown_surfaces(isovalues: tuple[float, ...], settings: IsosurfaceSettings) -> Surfaces:

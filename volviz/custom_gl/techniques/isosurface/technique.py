@@ -9,14 +9,15 @@ import moderngl
 
 from volviz.custom_gl.picking import Picked, Sight, surface
 from volviz.custom_gl.ray_march import draw_tile
-from volviz.custom_gl.shader_source import GLSL
-from volviz.custom_gl.techniques.isosurface.isovalues import shown_surfaces
+from volviz.custom_gl.shader_source import GLSL, layer_name
+from volviz.custom_gl.techniques.isosurface.isovalues import layer_surfaces, shown_surfaces
 from volviz.custom_gl.techniques.isosurface.settings import MAX_STEP
 
 if TYPE_CHECKING:
     from volviz.custom_gl.technique import Frame
 
 _FRAGMENT = Path(__file__).parent / "isosurface.frag"
+_OF_LAYERS = Path(__file__).parent / "surfaces_of_layers.frag"
 
 
 class Isosurface:
@@ -42,18 +43,17 @@ class Isosurface:
         gl.enable_only(moderngl.NOTHING)
 
     def _program(self, frame: Frame) -> Any:
-        surfaces = shown_surfaces(frame.isovalues, frame.settings)
         display = frame.settings.display
-        program = frame.program(
-            GLSL / "fullscreen.vert",
-            _FRAGMENT,
-            {
-                "SURFACES": len(surfaces.isovalues),
-                "DISPLAY_POSITIONS": display == "positions",
-                "DISPLAY_NORMALS": display == "normals",
-                "DISPLAY_SAMPLES": display == "samples",
-            },
-        )
+        displays = {
+            "DISPLAY_POSITIONS": display == "positions",
+            "DISPLAY_NORMALS": display == "normals",
+            "DISPLAY_SAMPLES": display == "samples",
+        }
+        if frame.joint is not None:
+            return self._joint_program(frame, displays)
+        surfaces = shown_surfaces(frame.isovalues, frame.settings)
+        defines = {"SURFACES": len(surfaces.isovalues)} | displays
+        program = frame.program(GLSL / "fullscreen.vert", _FRAGMENT, defines)
         program.use_texture("t_distance", frame.resources.isovalue_distance(surfaces.isovalues))
         program.set(
             {
@@ -62,6 +62,29 @@ class Isosurface:
                 "u_bisections": frame.settings.bisections,
                 "u_step": min(frame.step_world, MAX_STEP * min(frame.volume.spacing)),
             }
+        )
+        return program
+
+    @staticmethod
+    def _joint_program(frame: Frame, displays: dict[str, bool]) -> Any:
+        """The program of several layers."""
+        defines: dict[str, object] = dict(displays)
+        shown = {
+            n: layer_surfaces(layer.isovalues, frame.settings, layer.transfer_function, leads=layer.leads)
+            for n, layer in enumerate(frame.layers)
+            if layer.labels is None and layer.mode == "add"
+        }
+        for n, surfaces in shown.items():
+            defines[layer_name("SURFACES", n)] = len(surfaces.isovalues)
+        program = frame.program(GLSL / "fullscreen.vert", _OF_LAYERS, defines, {"shade": "shade/lit.glsl"})
+        for n, surfaces in shown.items():
+            of = frame.layers[n].volume
+            program.set(
+                {"u_isovalues": surfaces.fractions(of.bulk_range), "u_surface_colors": surfaces.looks()}, n
+            )
+        finest = min(min(layer.volume.spacing) for layer in frame.layers)
+        program.set(
+            {"u_bisections": frame.settings.bisections, "u_step": min(frame.step_world, MAX_STEP * finest)}
         )
         return program
 

@@ -28,6 +28,7 @@ TECHNIQUE = TechniqueInfo(
         "gradient_delta": "acts with shading or gradient opacity",
         "early_termination": "slices are blended by the hardware, which cannot stop",
     },
+    draws_bricks=True,
     order=20,
     study=sample_distances(converged="raycast"),
     oracle=sampled_rays,

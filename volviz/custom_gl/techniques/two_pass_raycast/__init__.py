@@ -32,4 +32,5 @@ TECHNIQUE = TechniqueInfo(
     oracle=sampled_rays,
     samples_rays=True,
     draws_layers=True,
+    draws_bricks=True,
 )
