@@ -13,7 +13,7 @@ import pytest
 
 import volviz
 from volviz.cli import make_parser
-from volviz.commands.images import parse_values
+from volviz.commands.drawing import parse_values
 from volviz.custom_gl.settings import SharedSettings
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.parameters import parameters_of

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from volviz.commands.images import check_look, look_values, parse_values, transfer_function, turned_camera
+from volviz.commands.drawing import check_look, look_values, parse_values, transfer_function, turned_camera
 from volviz.commands.inputs import hints_of, open_input, part_of, source_of
 from volviz.commands.layers import asks_for_layers, file_of, layers_of_options, single_channel
 from volviz.errors import InputError
