@@ -38,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from volviz.commands.inputs import budgets_of
 
     try:
-        if not arguments or (arguments[0] not in _COMMANDS and not arguments[0].startswith("-")):
+        if not arguments or (arguments[0] not in COMMANDS and not arguments[0].startswith("-")):
             return _open_window(arguments)
         options = parser.parse_args(arguments)
         with budgets_of(options):
@@ -83,13 +83,13 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
-_COMMANDS = (
+COMMANDS = (
     "render", "movie", "reproduce", "convert", "compare", "bench", "isosurface", "crosscheck", "measure", "labels",
     "info", "samples", "techniques", "presets", "looks", "doctor",
 )  # fmt: skip
 
 
-def _window_parser() -> argparse.ArgumentParser:
+def window_parser() -> argparse.ArgumentParser:
     """The parser of what follows ``volviz`` where no command does."""
     from volviz.commands.inputs import add_hints
 
@@ -103,7 +103,7 @@ def _open_window(arguments: Sequence[str]) -> int:
     from volviz.commands.inputs import budgets_of, hints_of
     from volviz.environment import display_answers
 
-    options = _window_parser().parse_args(arguments)
+    options = window_parser().parse_args(arguments)
     if len(options.files) > 1:
         raise VolvizError(
             f"one file at a time, got {len(options.files)} arguments beginning with {options.files[0]!r}; "
