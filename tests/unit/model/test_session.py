@@ -223,7 +223,8 @@ def test_a_session_of_version_2_has_one_camera_and_no_cross_hair() -> None:
     for view in data["views"]:
         del view["own_camera"]
     assert scene_from_dict({**data, "version": 2}, settings_of) == scene
-    moved = replace(scene, cursor=(1.0, 2.0, 3.0), layout="large")
+    tilt = ((0.8, -0.6, 0.0), (0.6, 0.8, 0.0), (0.0, 0.0, 1.0))
+    moved = replace(scene, cursor=(1.0, 2.0, 3.0), layout="large", tilt=tilt)
     assert scene_from_dict(scene_to_dict(moved), settings_of) == moved
 
 
