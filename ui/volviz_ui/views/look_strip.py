@@ -9,6 +9,7 @@ from PySide6.QtGui import QEnterEvent, QIcon, QImage, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QToolButton, QWidget
 
 from volviz.model.looks.look import Look
+from volviz_ui.library_words import translated
 
 MARGIN = 12
 #: Width and height of an image, the largest that fits into one row; the smallest has no room for a name.
@@ -80,8 +81,8 @@ class LookStrip(QFrame):
         button = QToolButton(self)
         button.setCheckable(True)
         button.setAutoRaise(True)
-        button.setText(look.label)
-        button.setToolTip(f"{look.label}: {look.description}")
+        button.setText(translated(look.label))
+        button.setToolTip(f"{translated(look.label)}: {translated(look.description)}")
         button.clicked.connect(lambda: self.chosen.emit(look))
         empty = QPixmap(LARGE)
         empty.fill(Qt.GlobalColor.transparent)
