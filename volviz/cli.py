@@ -57,7 +57,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import bench, compare, convert, images, inspect, labels, measure, meshes, movies
+    from volviz.commands import (
+        bench,
+        compare,
+        convert,
+        images,
+        inspect,
+        labels,
+        measure,
+        meshes,
+        movies,
+        pyramid,
+    )
 
     parser = argparse.ArgumentParser(
         prog="volviz",
@@ -67,14 +78,14 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (images, movies, convert, compare, bench, meshes, measure, labels, inspect):
+    for module in (images, movies, convert, pyramid, compare, bench, meshes, measure, labels, inspect):
         module.add_commands(commands)
     return parser
 
 
 _COMMANDS = (
-    "render", "movie", "convert", "compare", "bench", "isosurface", "crosscheck", "measure", "labels", "info",
-    "samples", "techniques", "presets", "looks", "doctor",
+    "render", "movie", "convert", "pyramid", "compare", "bench", "isosurface", "crosscheck", "measure", "labels",
+    "info", "samples", "techniques", "presets", "looks", "doctor",
 )  # fmt: skip
 
 
