@@ -10,6 +10,7 @@ import numpy as np
 import pyvista as pv
 from PySide6.QtCore import QPointF
 
+from volviz.annotations.background import BOTTOM, GROUND, TOP
 from volviz.annotations.picture import shapes_around
 from volviz.annotations.planes import subject_of_view
 from volviz.annotations.projection import Projection
@@ -27,10 +28,8 @@ from volviz_ui.views import tilt_handles
 from volviz_ui.views.overlay import Overlay
 from volviz_ui.views.viewport import Viewport
 
-TOP, BOTTOM = "#3b4450", "#14171b"
 """Colours of the background: dark in both themes, since light is added up in front of it."""
 
-GROUND = pv.Color(BOTTOM).float_rgb
 _EDGES = [(a, a | bit) for a in range(8) for bit in (1, 2, 4) if not a & bit]
 
 
@@ -185,13 +184,3 @@ class Annotations:
                 render=False,
                 pickable=False,
             )
-
-
-def background_image(color: tuple[float, float, float] | None, size: tuple[int, int]) -> np.ndarray:
-    """The background of the viewport as an array of shape (H, W, 3), 0..1: one colour, or the gradient."""
-    width, height = size
-    if color is not None:
-        return np.broadcast_to(np.asarray(color, np.float32), (height, width, 3))
-    top, bottom = (np.asarray(pv.Color(c).float_rgb, np.float32) for c in (TOP, BOTTOM))
-    t = np.linspace(0.0, 1.0, height, dtype=np.float32)[:, None, None]
-    return np.broadcast_to((1 - t) * top + t * bottom, (height, width, 3))
