@@ -23,6 +23,7 @@ from volviz.custom_gl.resolve import resolve
 from volviz.kernels.histogram import joint_histogram
 from volviz.model.layer_looks import named_look
 from volviz.model.transfer.function_2d import Region, TransferFunction2D
+from volviz.model.transfer.presets import preset as preset_of
 from volviz.model.transfer.presets import preset_for
 
 FOLDER = Path(__file__).parent.parent / "docs" / "images"
@@ -31,12 +32,12 @@ BACKGROUND = (0.08, 0.09, 0.11)
 
 #: Sample, preset and settings that show a technique well.
 SCENES: dict[str, tuple[str, str | None, dict[str, object]]] = {
-    "raycast": ("ct-chest", "ct-bone", {"shading": True}),
+    "raycast": ("ct-chest", "ct-bone", {}),
     "slicing": ("engine", "engine", {}),
-    "two_pass_raycast": ("mri-brain", "mri", {"shading": True}),
-    "isosurface": ("mri-head", None, {}),
-    "splatting": ("mri-head", None, {}),
-    "half_angle": ("mri-brain", "mri", {}),
+    "two_pass_raycast": ("mri-brain", "mri-cortex", {}),
+    "isosurface": ("mri-head", None, {"isovalues": (30.0,), "gradient_delta": 1.5}),
+    "splatting": ("mri-head", "mri-skin", {}),
+    "half_angle": ("mri-brain", "mri-cortex", {}),
     "bump_mapping": ("mri-head", None, {}),
     "marching_cubes": ("ct-chest", None, {"isovalue": 180.0}),
     "marching_tetrahedra": ("engine", "engine", {"isovalue": 170.0}),
@@ -46,10 +47,14 @@ SCENES: dict[str, tuple[str, str | None, dict[str, object]]] = {
 def image(
     sample: str, technique: str, preset: str | None, size: tuple[int, int] = SIZE, **values: object
 ) -> Image.Image:
-    """An image of a sample."""
+    """An image of a sample, under the light that a preset is made for."""
     volume = volviz.load(f"sample:{sample}")
     function = preset_for(preset, volume) if preset else volviz.TransferFunction.auto(volume)
     camera = default_camera(volume, size, transfer_function=function)
+    info = volviz.techniques()[technique]
+    made_for = (preset_of(preset).settings or {}) if preset and "light" not in info.manipulators else {}
+    known = {parameter.name for parameter in info.parameters}
+    lit = {name: value for name, value in made_for.items() if name in known}
     pixels = volviz.render(
         volume,
         technique,
@@ -57,7 +62,8 @@ def image(
         size=size,
         camera=camera,
         background=BACKGROUND,
-        **values,
+        headlight=False,
+        **(lit | values),
     )
     return Image.fromarray(pixels).convert("RGB")
 
@@ -89,6 +95,21 @@ def draw_techniques() -> None:
             images.append(image(sample, technique, preset, **values))
             save(images[-1], technique)
     save(side_by_side([one.resize((280, 213)) for one in images], 3), "techniques")
+
+
+def draw_looks() -> None:
+    """The looks of four samples."""
+    size, images = (236, 200), []
+    with volviz.Renderer(size) as renderer:
+        for sample in ("ct-chest", "mri-head", "engine", "torus"):
+            volume = volviz.load(f"sample:{sample}")
+            for look in list(volviz.looks(volume).values())[:5]:
+                drawn = Image.fromarray(renderer.render(volume, look=look, background=BACKGROUND)).convert(
+                    "RGB"
+                )
+                ImageDraw.Draw(drawn).text((8, 6), look.label, fill=(225, 228, 232), font_size=14)
+                images.append(drawn)
+    save(side_by_side(images, 5), "looks")
 
 
 def draw_slices() -> None:
@@ -229,8 +250,22 @@ def draw_in_window(name: str, theme: str, sample: str, act: Callable[[Any], None
 
 
 def draw_window() -> None:
-    """The desktop program with its first image."""
-    draw_in_window("window-dark", "dark", "mri-brain")
+    """The desktop program with the first picture of a chest and its other looks, and of an engine block."""
+    from volviz_ui.views import look_strip
+
+    # as long as somebody points at it
+    look_strip.STAYS_MS = 10_000_000
+
+    def act(window: Any) -> None:
+        from PySide6.QtWidgets import QApplication
+
+        for command in ("view.next_look", "view.previous_look"):
+            before = window.store.scene
+            window.commands[command].trigger()
+            while window.store.scene is before or window.look_commands.is_drawing:
+                QApplication.processEvents()
+
+    draw_in_window("window-dark", "dark", "ct-chest", act)
     draw_in_window("window-light", "light", "engine")
 
 
@@ -361,6 +396,7 @@ def draw_comparison_in_window() -> None:
 DRAWINGS: dict[str, Callable[[], None]] = {
     "crosscheck": draw_crosscheck,
     "techniques": draw_techniques,
+    "looks": draw_looks,
     "slices": draw_slices,
     "modes": draw_modes,
     "layers": draw_layers,

@@ -38,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from volviz.commands.inputs import budgets_of
 
     try:
-        if not arguments or (arguments[0] not in _COMMANDS and not arguments[0].startswith("-")):
+        if not arguments or (arguments[0] not in COMMANDS and not arguments[0].startswith("-")):
             return _open_window(arguments)
         options = parser.parse_args(arguments)
         with budgets_of(options):
@@ -57,7 +57,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    from volviz.commands import bench, compare, convert, images, inspect, labels, measure, meshes, movies
+    from volviz.commands import (
+        bench,
+        compare,
+        convert,
+        images,
+        inspect,
+        labels,
+        measure,
+        meshes,
+        movies,
+        reproduce,
+    )
 
     parser = argparse.ArgumentParser(
         prog="volviz",
@@ -67,18 +78,18 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (images, movies, convert, compare, bench, meshes, measure, labels, inspect):
+    for module in (images, movies, reproduce, convert, compare, bench, meshes, measure, labels, inspect):
         module.add_commands(commands)
     return parser
 
 
-_COMMANDS = (
-    "render", "movie", "convert", "compare", "bench", "isosurface", "crosscheck", "measure", "labels", "info",
-    "samples", "techniques", "presets", "looks", "doctor",
+COMMANDS = (
+    "render", "movie", "reproduce", "convert", "compare", "bench", "isosurface", "crosscheck", "measure", "labels",
+    "info", "samples", "techniques", "presets", "looks", "doctor",
 )  # fmt: skip
 
 
-def _window_parser() -> argparse.ArgumentParser:
+def window_parser() -> argparse.ArgumentParser:
     """The parser of what follows ``volviz`` where no command does."""
     from volviz.commands.inputs import add_hints
 
@@ -92,7 +103,7 @@ def _open_window(arguments: Sequence[str]) -> int:
     from volviz.commands.inputs import budgets_of, hints_of
     from volviz.environment import display_answers
 
-    options = _window_parser().parse_args(arguments)
+    options = window_parser().parse_args(arguments)
     if len(options.files) > 1:
         raise VolvizError(
             f"one file at a time, got {len(options.files)} arguments beginning with {options.files[0]!r}; "

@@ -8,13 +8,50 @@ from pathlib import Path
 from typing import Any
 
 from volviz.errors import LoadError
-from volviz.model.session import KIND
+from volviz.model.picture import Picture
+from volviz.model.scene import Scene
+from volviz.model.session import KIND, scene_to_dict
 
 #: Keyword of the text in PNG files.
 PNG_KEYWORD = "VolViz session"
 #: ImageDescription (TIFF 6.0, section 8).
 TIFF_DESCRIPTION = 270
 SUFFIXES = (".png", ".apng", ".tif", ".tiff")
+
+
+def carries(path: Path) -> bool:
+    """Whether a picture of that name can carry a session."""
+    return path.suffix.lower() in SUFFIXES
+
+
+def session_with(scene: Scene, picture: Picture, path: Path) -> dict[str, Any]:
+    """A session that also says how a picture of the scene is made.
+
+    Parameters
+    ----------
+    scene : Scene
+    picture : Picture
+    path : Path
+        The file that is going to carry it: paths of volumes are relative to it, too.
+    """
+    return {**scene_to_dict(scene, path.absolute().parent), "picture": picture.to_dict()}
+
+
+def picture_in(session: Mapping[str, Any]) -> Picture | None:
+    """How the picture that carries a session was made, None where it does not say so.
+
+    Raises
+    ------
+    LoadError
+        What it says is damaged.
+    """
+    told = session.get("picture")
+    if told is None:
+        return None
+    try:
+        return Picture.from_dict(told)
+    except (KeyError, TypeError, ValueError) as error:
+        raise LoadError(f"what the picture says of itself is damaged: {error}.") from error
 
 
 def saving_options(path: Path, session: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -57,9 +94,8 @@ def session_in(path: Path) -> dict[str, Any] | None:
     try:
         with Image.open(path) as picture:
             if picture.format == "PNG":
-                # texts may stand behind the pixels
-                picture.load()
-                text = getattr(picture, "text", {}).get(PNG_KEYWORD)
+                # what stands before the pixels is known without reading them
+                text = picture.info.get(PNG_KEYWORD)
             else:
                 text = getattr(picture, "tag_v2", {}).get(TIFF_DESCRIPTION)
     except (UnidentifiedImageError, SyntaxError, ValueError):

@@ -28,6 +28,7 @@ from volviz.reference.ray_profile import (
     slice_pieces,
 )
 from volviz.reference.sampling import Shading
+from volviz.volume_data.vectors import Vector
 
 if TYPE_CHECKING:
     from volviz.model.transfer.function import TransferFunction
@@ -140,7 +141,7 @@ def inspect_ray(
         volume.array.shape, volume.index_to_world, view=matrix, projection=projection, size=size, pixel=pixel,
         crop=None if shown.clipping.crop is None else shown.crop, clip_planes=shown.clipping.planes, depth=depth,
     )  # fmt: skip
-    optics = _optics(shown, common)
+    optics = _optics(shown, common, shown.light_seen_from(matrix))
     lattice = Lattice(
         volume.finite_array, volume.index_to_world, *volume.bulk_range, common.interpolation == "nearest",
         common.gradient_delta,
@@ -170,7 +171,7 @@ def inspect_ray(
     )
 
 
-def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
+def _optics(shown: ResolvedSpec, common: CommonSettings, light: Vector) -> Optics:
     volume, function = shown.volume, shown.drawn_function
     low, high = volume.bulk_range
     integer = volume.array.dtype.kind in "iu"
@@ -178,7 +179,7 @@ def _optics(shown: ResolvedSpec, common: CommonSettings) -> Optics:
     if common.shading:
         shading = Shading(
             common.ambient, common.diffuse, common.specular, common.shininess,
-            None if shown.light.headlight else shown.light_position, shown.light.color, common.gradient_delta,
+            None if shown.light.headlight else light, shown.light.color, common.gradient_delta,
         )  # fmt: skip
     extinction, extinction_range = None, (low, high)
     regions = function.by_gradient is not None

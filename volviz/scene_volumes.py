@@ -11,6 +11,7 @@ from volviz.custom_gl.registry import known_settings
 from volviz.custom_gl.resolve import resolve
 from volviz.custom_gl.scene_techniques import drawn_spec, surroundings
 from volviz.embedded_session import session_in
+from volviz.errors import LoadError
 from volviz.io import open as open_source
 from volviz.model.layers import Layer
 from volviz.model.movie import Surroundings
@@ -98,15 +99,25 @@ def framed(scene: Scene, volumes: Mapping[VolumeKey, Volume], size: tuple[int, i
     return scene.with_camera(camera, scene.active_index)
 
 
-def scene_in(path: Path) -> Scene | None:
-    """The scene of a session file, or of a picture that carries one; None for any other file.
+def holds_scene(path: Path) -> bool:
+    """Whether a file is a session, or a picture that carries one."""
+    if path.name.lower().endswith(SUFFIX):
+        return True
+    try:
+        return path.is_file() and session_in(path) is not None
+    except LoadError:
+        return False
+
+
+def load_scene(path: Path) -> Scene:
+    """The scene of a session file, or of a picture that carries one.
 
     Raises
     ------
     LoadError
-        The session is damaged or newer than this program.
+        It cannot be read, carries none, or is damaged or newer than this program.
     """
-    if path.name.lower().endswith(SUFFIX):
+    carried = None if path.name.lower().endswith(SUFFIX) else session_in(path)
+    if carried is None:
         return load_session(path, known_settings)
-    carried = session_in(path) if path.is_file() else None
-    return None if carried is None else scene_from_dict(carried, known_settings, path.absolute().parent)
+    return scene_from_dict(carried, known_settings, path.absolute().parent)

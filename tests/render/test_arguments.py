@@ -9,6 +9,7 @@ import pytest
 import pyvista
 
 import volviz
+from volviz.custom_gl.framing import default_camera
 from volviz.errors import InputError, RenderError, VolvizError
 
 VOLUME = volviz.Volume(np.arange(27.0).reshape(3, 3, 3))
@@ -82,13 +83,16 @@ def test_a_look_brings_technique_function_and_a_light_beside_the_eye() -> None:
     (first, *_) = volviz.looks(ball).values()
     by_name, by_look = (volviz.render(ball, look=look, size=(48, 48)) for look in ("best", first))
     by_hand = volviz.render(
-        ball, first.technique, transfer_function=first.transfer_function, light=volviz.Light(headlight=False),
+        ball, first.technique, transfer_function=first.transfer_function, light_beside_eye=True,
         size=(48, 48), **first.settings,
     )  # fmt: skip
     assert np.array_equal(by_name, by_hand)
     assert np.array_equal(by_look, by_hand)
     left, right = by_hand[24, 8, :3].mean(), by_hand[24, 39, :3].mean()
     assert left > 1.2 * right > 0
+    back = default_camera(ball, (48, 48), azimuth=180.0, transfer_function=first.transfer_function)
+    behind = volviz.render(ball, look="best", size=(48, 48), camera=back)
+    assert behind[24, 8, :3].mean() > 1.2 * behind[24, 39, :3].mean()
     red = volviz.render(ball, look="best", colors=((1.0, 0.0, 0.0),), specular=0.0, size=(48, 48))
     assert red[24, 24, 0] > 50 > red[24, 24, 1]
 

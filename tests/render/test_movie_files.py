@@ -20,7 +20,7 @@ from volviz.model.movies.timeline import Timeline
 from volviz.model.render_spec import View
 from volviz.model.scene import Scene
 from volviz.movies.drawing import MovieFile, write_movie
-from volviz.scene_volumes import SceneVolumes, framed, scene_in
+from volviz.scene_volumes import SceneVolumes, framed, holds_scene, load_scene
 from volviz.volume_data.references import reference_to
 
 SIZE = (64, 48)
@@ -54,10 +54,10 @@ def test_numbered_frames_are_what_the_renderer_draws(scene: Scene, tmp_path: Pat
 
 def test_a_frame_carries_the_session_it_belongs_to(scene: Scene, tmp_path: Path) -> None:
     write_movie(MovieFile(scene, tmp_path / "%d.png", SIZE))
-    found = scene_in(tmp_path / "3.png")
+    found = load_scene(tmp_path / "3.png")
     assert found == scene
     write_movie(MovieFile(scene, tmp_path / "bare%d.png", SIZE, keep_session=False))
-    assert scene_in(tmp_path / "bare3.png") is None
+    assert not holds_scene(tmp_path / "bare3.png")
 
 
 def test_a_movie_that_was_stopped_goes_on_to_the_same_bytes(scene: Scene, tmp_path: Path) -> None:

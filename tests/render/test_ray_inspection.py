@@ -22,7 +22,7 @@ PIXELS = [(x, y) for x in range(4, 64, 9) for y in range(6, 64, 9)]
 
 def inspected(of: Any, technique_id: str, pixel: Any, view: Any, transfer: Any, values: Any) -> RayInspection:
     spec = spec_of(of, technique_id, transfer_function=transfer, **values)
-    light = replace(spec.light, headlight="light_position" not in values)
+    light = replace(spec.light, headlight=not {"light_position", "light_beside_eye"} & values.keys())
     return inspect_ray(replace(spec, light=light), View(view, SIZE), pixel)
 
 
@@ -75,6 +75,7 @@ def test_a_camera_inside_and_a_placed_light_are_followed() -> None:
     assert_pixels_agree(
         "raycast", of, camera(of, parallel=True), shading=True, light_position=(x - 60.0, y - 20.0, z + 50.0)
     )
+    assert_pixels_agree("raycast", of, camera(of), shading=True, light_beside_eye=True)
 
 
 @pytest.mark.parametrize("place", [camera, inside])

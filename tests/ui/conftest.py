@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from tests.leaks import Watch
 from tests.screens import NO_DISPLAY, window_can_open
+from volviz.annotations.background import background_image
 from volviz.custom_gl.scene_techniques import current_settings, current_technique
 from volviz.custom_gl.vtk.handle import VolumeHandle
 from volviz.model.looks.look import Look
@@ -27,7 +28,6 @@ from volviz_ui.panels.form_cache import FormCache
 from volviz_ui.session import opening
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.style.theme import Theme
-from volviz_ui.views.annotations import background_image
 
 #: Width and height of the window in pixels.
 WINDOW_SIZE = (960, 660)

@@ -20,6 +20,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog, QPushButton, QTabBar
 
 from tests.ui.conftest import drawn_image, foreground, image, is_complete
+from volviz.cli import main
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
 from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
 from volviz.model.picture import PictureContents
@@ -421,3 +422,23 @@ def test_the_background_is_a_step_of_the_history(window: MainWindow, wait_for: W
     QTest.qWait(50)
     assert image(window)[3, 3].max() < 120
     assert foreground(window).mean() > 0.02
+
+
+def test_an_exported_picture_restores_the_scene_and_is_drawn_again_to_the_bit(
+    window: MainWindow, wait_for: Wait, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    window.store.update(lambda scene: scene.with_layer(opacity=0.6), label="fainter")
+    before = window.store.scene
+    path = tmp_path / "kept.png"
+    contents = PictureContents.of("box,bar,scale", "A ball")
+    export = window.picture_commands.save_image(str(path), PictureRequest((200, 150), contents=contents))
+    assert export is not None
+    wait_for(lambda: export.is_over)
+    window.store.undo()
+    window.store.clear_history()
+    window.file_commands.open_dropped([str(path)])
+    wait_for(lambda: window.store.scene == before)
+    # saving goes into a session file, not into the picture
+    assert window.session_commands.unsaved.path is None
+    assert main(["reproduce", str(path), "-o", str(tmp_path / "again.png")]) == 0
+    assert "equal to kept.png to the bit" in capsys.readouterr().out

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QToolButton
 from tests.ui.conftest import foreground, image, is_complete
 from volviz.custom_gl.scene_techniques import can_take_looks, current_settings, with_slices
 from volviz.model.layers import ImageLayer, LabelLayer
-from volviz.model.light import Light
+from volviz.model.light import FROM_UPPER_LEFT
 from volviz.model.looks.choice import looks
 from volviz.model.scene import Scene
 from volviz.volume_data.references import VolumeRef
@@ -46,7 +46,7 @@ def test_a_file_opens_lit_from_the_upper_left_in_one_step(
     wait_for(lambda: is_complete(window))
     assert window.store.scene.view.technique == "isosurface"
     assert current_settings(window.store.scene).isovalues == (0.0,)
-    assert window.store.scene.light == Light(headlight=False)
+    assert window.store.scene.light == FROM_UPPER_LEFT
     seen = foreground(window)
     rows, columns = np.nonzero(seen)
     middle, brightness = int(columns.mean()), image(window).mean(axis=2)

@@ -83,6 +83,6 @@ def test_further_layers_are_drawn_or_said_not_to_be(times_file: str) -> None:
     assert by_slices.count("not in the picture") == 2
     assert np.array_equal(
         run(by_slices)["picture"],
-        volviz.render(volviz.load(times_file), "slicing", size=(32, 24), transfer_function=FUNCTION),
+        volviz.render(volviz.load(times_file), "splatting", size=(32, 24), transfer_function=FUNCTION),
     )
     assert "layer_2 = volviz.LabelLayer" in script_of(Scene((labels,)), (32, 24))

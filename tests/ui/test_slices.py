@@ -13,11 +13,14 @@ from PySide6.QtTest import QTest
 
 from tests.ui.conftest import drag, image, is_complete, turn_wheel
 from volviz.annotations.planes import PLANE_COLORS, plane_lines
+from volviz.annotations.projection import Projection
 from volviz.annotations.shapes import Line, Shape, Text
 from volviz.custom_gl.scene_techniques import current_settings, faced, slice_technique
 from volviz.model.session import load_session, save_session
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.session.script import script_of
+from volviz_ui.views.camera_moves import point_on_plane, zoomed_at
+from volviz_ui.views.tilt_handles import knobs
 from volviz_ui.views.viewport import Viewport
 
 Wait = Callable[..., None]
@@ -119,9 +122,44 @@ def test_the_wheel_goes_through_the_slices_and_zooms_with_ctrl(window: MainWindo
     turn_wheel(sagittal, 2, Qt.KeyboardModifier.ControlModifier)
     assert sagittal.view_camera.scale < scale
     assert window.store.scene.cursor == cursor
+    # what lies under the pointer stays there
+    size, corner = (sagittal.width(), sagittal.height()), (20.0, 30.0)
+    near = zoomed_at(sagittal.view_camera, 1.5, corner, size)
+    through = volume.center
+    assert point_on_plane(near, corner, size, through) == pytest.approx(
+        point_on_plane(sagittal.view_camera, corner, size, through)
+    )
     wait_for(lambda: not window.store.is_interacting)
     window.commands["view.slices.centre"].trigger()
     assert window.store.scene.cursor is None
+
+
+def test_a_knob_of_the_cross_hair_tilts_the_other_slices_together(window: MainWindow, wait_for: Wait) -> None:
+    axial, scene = viewport(window, 1), window.store.scene
+    before = [faced(scene, number) for number in (1, 2, 3)]
+    camera = axial.view_camera
+    shown = window.views.view_widgets[1].annotations
+    _color, place = knobs(shown.subject(), Projection(camera, (axial.width(), axial.height())))[0]
+    middle = np.array([axial.width(), axial.height()]) / 2
+    angle = np.radians(20)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    end = middle + turn @ (np.asarray(place) - middle)
+    drag(axial, QPoint(*np.rint(place).astype(int)), QPoint(*np.rint(end).astype(int)))
+    after = [faced(window.store.scene, number) for number in (1, 2, 3)]
+    # the slice itself stays, the others are turned, and all are at right angles to each other
+    assert after[0] == (pytest.approx(before[0][0]), pytest.approx(before[0][1]))
+    assert axial.view_camera == camera
+    for old, new, number in zip(before[1:], after[1:], (2, 3), strict=True):
+        assert np.degrees(np.arccos(np.dot(old[0], new[0]))) == pytest.approx(20, abs=2)
+        assert viewport(window, number).view_camera.direction == pytest.approx(tuple(-v for v in new[0]))
+    normals = np.array([facing[0] for facing in after])
+    assert normals @ normals.T == pytest.approx(np.eye(3), abs=1e-9)
+    wait_for(lambda: is_complete(window))
+    window.store.undo()
+    assert window.store.scene.tilt is None
+    window.store.redo()
+    window.commands["view.slices.straighten"].trigger()
+    assert [faced(window.store.scene, number) for number in (1, 2, 3)] == before
 
 
 def test_the_right_button_changes_the_grey_window_of_all_slices(window: MainWindow, wait_for: Wait) -> None:

@@ -259,6 +259,11 @@ def test_the_pointer_tells_the_voxel_below_it(window: MainWindow, wait_for: Wait
     text = window.messages.status_line.pointer.text()
     index = [int(n) for n in text[1 : text.index(")")].split(",")]
     assert text.endswith("200")
+    volume = window.documents.volume
+    place = [float(v) for v in text[text.index(")") + 1 : text.index(" mm")].split(",")]
+    assert volume.world_to_index[:3, :3] @ place + volume.world_to_index[:3, 3] == pytest.approx(
+        index, abs=0.6
+    )
     # the middle of the image shows the middle of the volume, seen from the front, where y is small
     assert index[0] in (15, 16)
     assert index[2] in (15, 16)

@@ -88,6 +88,7 @@ def write_picture(
     shapes: Sequence[Shape] = (),
     background: tuple[float, float, float] | npt.NDArray[np.uint8] | None = None,
     dpi: float = SCREEN_DPI,
+    **options: Any,
 ) -> None:
     """Write a finished picture; in SVG and PDF files what stands around it is lines and words.
 
@@ -103,6 +104,8 @@ def write_picture(
         What lies behind everything, likewise.
     dpi : float
         Pixels to an inch of paper.
+    **options
+        For Pillow's `save`.
 
     Raises
     ------
@@ -116,7 +119,7 @@ def write_picture(
             return
         from PIL import Image
 
-        Image.fromarray(picture).save(beside, dpi=(dpi, dpi))
+        Image.fromarray(picture).save(beside, dpi=(dpi, dpi), **options)
 
 
 def _write_vector(

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from volviz.commands.compare import bare
-from volviz.commands.images import parse_size, transfer_function
+from volviz.commands.drawing import parse_size, transfer_function
 from volviz.commands.inputs import add_input, load_input, source_of
 from volviz.commands.progress import ProgressLine
 from volviz.errors import InputError, VolvizError

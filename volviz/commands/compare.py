@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from volviz.commands.images import parse_size, parse_values, transfer_function
+from volviz.commands.drawing import parse_size, parse_values, transfer_function
 from volviz.commands.inputs import add_input, hints_of, load_input, source_of
 from volviz.commands.progress import ProgressLine
 from volviz.errors import InputError, VolvizError

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from volviz.commands.drawing import (
+    add_look_options,
+    check_look,
+    image_layer,
+    look_values,
+    parse_size,
+    parse_values,
+    transfer_function,
+    turned_camera,
+)
 from volviz.commands.inputs import add_input, load_input
 from volviz.commands.layers import (
     add_layer_option,
@@ -26,10 +35,7 @@ from volviz.model.render_spec import DEFAULT_TECHNIQUE
 if TYPE_CHECKING:
     from volviz.annotations.shapes import Shape
     from volviz.custom_gl.technique import TechniqueInfo
-    from volviz.model.camera import Camera
     from volviz.model.layers import ImageLayer, LabelLayer
-    from volviz.model.render_spec import RenderSpec
-    from volviz.model.transfer.function import TransferFunction
     from volviz.volume_data.volume import Volume
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".svg", ".pdf")
@@ -59,35 +65,6 @@ def add_commands(commands: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def add_look_options(parser: argparse.ArgumentParser) -> None:
-    """What is drawn, from where and how large: for all that draws."""
-    parser.add_argument(
-        "-t", "--technique", metavar="ID", help=f"see volviz techniques (default {DEFAULT_TECHNIQUE})"
-    )
-    parser.add_argument(
-        "--look",
-        metavar="NAME",
-        help='technique, function and light that suit the data: "best", or one that volviz looks FILE lists',
-    )
-    parser.add_argument("--preset", metavar="NAME", help="transfer function, see volviz presets")
-    parser.add_argument(
-        "--transfer-function", metavar="FILE", help="transfer function from a file (JSON, .vp, .dat)"
-    )
-    parser.add_argument("--size", default="800x600", metavar="WxH", help="in pixels (default 800x600)")
-    parser.add_argument(
-        "--azimuth", type=float, default=0.0, metavar="DEG", help="turn about the upright axis"
-    )
-    parser.add_argument("--elevation", type=float, default=0.0, metavar="DEG", help="turn above the horizon")
-    parser.add_argument("--zoom", type=float, default=1.0, metavar="FACTOR", help="above 1 comes nearer")
-    parser.add_argument("--parallel", action="store_true", help="parallel projection")
-    parser.add_argument(
-        "--background", default="black", metavar="COLOUR", help='name, #rrggbb or "none" for transparency'
-    )
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="values",
-                        help="a setting of technique, light, crop box or clip planes; can be repeated")  # fmt: skip
-    parser.add_argument("--classic", action="store_true", help="values of the well-known teaching programs")
-
-
 def add_contents_options(parser: argparse.ArgumentParser) -> None:
     """What belongs into a picture beside the volume."""
     parser.add_argument(
@@ -101,6 +78,10 @@ def add_contents_options(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="pixels to an inch of paper (default 96); papers want 300",
     )
+    parser.add_argument(
+        "--no-session", action="store_true",
+        help="do not write into PNG and TIFF files how they were made (paths of volumes; see volviz reproduce)",
+    )  # fmt: skip
     parser.add_argument(
         "--methods", action="store_true", help="print a sentence for the methods section of a paper, too"
     )
@@ -166,27 +147,6 @@ def draw_look(options: argparse.Namespace, size: tuple[int, int], output: Path) 
     draw([image_layer(options, volume)], info, values, size, options, output)
 
 
-def check_look(options: argparse.Namespace, given: Mapping[str, Any] = MappingProxyType({})) -> None:
-    """Refuse what does not go with ``--look``: other ways to say what a look says, and those given by name."""
-    given = {
-        "-t": options.technique, "--classic": options.classic,
-        "--layer or --channel with a look": asks_for_layers(options), **given,
-    }  # fmt: skip
-    for name, value in given.items():
-        if value:
-            raise InputError(f"--look brings technique and settings; leave out {name}, or --look.")
-
-
-def look_values(options: argparse.Namespace, volume: Volume) -> tuple[TechniqueInfo, dict[str, Any]]:
-    """Technique and keywords of the look that the options name, with the settings that they give."""
-    from volviz.custom_gl.registry import technique
-    from volviz.model.looks.choice import look_named
-
-    look = look_named(volume, options.look)
-    info = technique(look.technique)
-    return info, {"look": look, **parse_values(info, options.values)}
-
-
 def draw_layers(options: argparse.Namespace, size: tuple[int, int], output: Path) -> None:
     """Draw several layers in one image."""
     from volviz.custom_gl.registry import technique
@@ -210,9 +170,12 @@ def draw(
     """Draw one image and say where it lies and how long it took."""
     from volviz.annotations.figure import is_vector
     from volviz.annotations.methods import methods_sentence
+    from volviz.annotations.picture import usual_scale
     from volviz.custom_gl.arguments import spec_of
     from volviz.custom_gl.offscreen import background_color
     from volviz.custom_gl.resolve import resolve
+    from volviz.embedded_session import carries, session_with
+    from volviz.model.picture import Picture
     from volviz.model.render_spec import View
     from volviz.renderer import Renderer
 
@@ -235,7 +198,16 @@ def draw(
             image, shapes = renderer.draw(spec, view, dtype=dtype, contents=contents), ()
         notice, bricks = renderer.notice, renderer.bricks
     seconds = time.perf_counter() - begin
-    save_image(image, output, shapes, ground, options.dpi)
+    session = None
+    if carries(output) and not options.no_session:
+        from volviz.commands.scene import scene_of_spec
+
+        scene = scene_of_spec(options, spec, camera, ground)
+        picture = Picture.of_view(
+            0, size, usual_scale(size), contents=contents, transparent=transparent, dpi=options.dpi
+        )
+        session = session_with(scene, picture, output)
+    save_image(image, output, shapes, ground, options.dpi, session)
     print(f"{output}: {info.label}, {size[0]} x {size[1]}, {seconds:.2f} s")
     if notice:
         print(f"note: {notice}")
@@ -243,83 +215,6 @@ def draw(
         print(methods_sentence(resolve(spec), camera, size))
     if options.report:
         write_report(Path(options.report).expanduser(), layers, bricks, seconds)
-
-
-def turned_camera(spec: RenderSpec, size: tuple[int, int], options: argparse.Namespace) -> Camera:
-    """The camera that the options ask for, around what is visible."""
-    from volviz.custom_gl.resolve import resolve
-
-    camera = resolve(spec).framing_camera(
-        size, options.azimuth, options.elevation, stacks_from_faces=options.look is not None
-    )
-    return replace(
-        camera,
-        view_angle=max(min(camera.view_angle / options.zoom, 170.0), 1.0),
-        parallel=options.parallel or camera.parallel,
-        parallel_scale=camera.parallel_scale and camera.parallel_scale / options.zoom,
-    )
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """Width and height from "1200x900"."""
-    from volviz.custom_gl.offscreen import checked_size
-
-    try:
-        width, height = (int(part) for part in text.lower().replace(",", "x").split("x"))
-    except ValueError:
-        raise InputError(f"--size takes width and height such as 1200x900, got {text!r}.") from None
-    return checked_size((width, height))
-
-
-def parse_values(info: TechniqueInfo, texts: Iterable[str], *, lenient: bool = False) -> dict[str, Any]:
-    """Settings from ``name=value`` texts.
-
-    Parameters
-    ----------
-    info : TechniqueInfo
-        Whose settings are meant; shared ones (light, crop, clip planes) are known as well.
-    texts : iterable of str
-        ``name=value`` each.
-    lenient : bool
-        Leave out names that this technique does not have, as for all techniques at once.
-    """
-    from volviz.custom_gl.settings import SharedSettings
-    from volviz.model.parameters import parameters_of, unknown_setting
-
-    known = {p.name: p for p in (*info.parameters, *parameters_of(SharedSettings))}
-    values: dict[str, Any] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not equals:
-            raise InputError(f"--set takes NAME=VALUE, got {text!r}.")
-        name = name.strip()
-        if name in known:
-            values[name] = known[name].parse(value)
-        elif not lenient:
-            raise InputError(unknown_setting(info.id, name, list(known)))
-    return values
-
-
-def image_layer(options: argparse.Namespace, volume: Volume) -> ImageLayer:
-    """A volume with the function that the options name."""
-    from volviz.model.layers import ImageLayer
-
-    return ImageLayer(volume, transfer_function(options, volume))
-
-
-def transfer_function(options: argparse.Namespace, volume: Volume) -> TransferFunction | None:
-    """The function that the options name, fitted to the volume; None = automatic."""
-    if options.preset and options.transfer_function:
-        raise InputError("give either --preset or --transfer-function, not both.")
-    if options.preset:
-        from volviz.model.transfer.presets import preset_for
-
-        return preset_for(options.preset, volume)
-    if options.transfer_function:
-        from volviz.model.transfer.formats import read_transfer_function
-
-        return read_transfer_function(Path(options.transfer_function))
-    return None
 
 
 def check_output(output: Path) -> None:
@@ -338,6 +233,7 @@ def save_image(
     shapes: Sequence[Shape] = (),
     background: tuple[float, float, float] | None = None,
     dpi: float = 96.0,
+    session: Mapping[str, Any] | None = None,
 ) -> None:
     """Write an image of shape (H, W, 4), uint8, or any array as .npy; the rest as for `write_picture`."""
     try:
@@ -348,8 +244,9 @@ def save_image(
                 np.save(file, image)
             return
         from volviz.annotations.figure import write_picture
+        from volviz.embedded_session import saving_options
 
         shown = image[..., :3] if output.suffix.lower() in OPAQUE_SUFFIXES else image
-        write_picture(output, shown, shapes, background, dpi)
+        write_picture(output, shown, shapes, background, dpi, **saving_options(output, session))
     except OSError as error:
         raise VolvizError(f"{output}: the picture cannot be written ({error.strerror or error}).") from None

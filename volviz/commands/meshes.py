@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from volviz.commands.inputs import add_input, load_input
+from volviz.commands.inputs import add_input, load_input, open_input, part_of, source_of
 from volviz.errors import InputError, VolvizError
 
 
@@ -38,6 +38,10 @@ def add_commands(commands: Any) -> None:
     isosurface.add_argument(
         "-o", "--output", required=True, metavar="FILE", help=".stl, .ply, .obj, .vtp, .gltf, .glb"
     )
+    isosurface.add_argument(
+        "--blocks", type=int, metavar="VOXELS",
+        help="read and extract block by block, 256 say: for volumes larger than memory; the mesh is the same",
+    )  # fmt: skip
     isosurface.add_argument("--overwrite", action="store_true", help="replace an existing file")
     isosurface.set_defaults(run=run_isosurface)
 
@@ -61,17 +65,22 @@ def run_isosurface(options: argparse.Namespace) -> int:
 
     output = check_mesh_target(Path(options.output).expanduser(), overwrite=options.overwrite)
     progress = Progress(output.name)
-    volume = load_input(options)
-    mesh = extract_isosurface(
-        volume, options.isovalue, method=options.method, stride=options.stride, largest_part=options.largest_part,
-        min_triangles=options.min_triangles, smooth=options.smooth, decimate=options.decimate,
-        progress=progress.part(0.0, 0.8),
-    )  # fmt: skip
-    if mesh.n_cells == 0:
-        low, high = volume.range
-        raise InputError(
-            f"{volume.name} has no surface at {options.isovalue:g}; its values lie between {low:g} and {high:g}."
-        )
+    if options.blocks is not None:
+        mesh = _by_blocks(options, progress.part(0.0, 0.8))
+        if mesh.n_cells == 0:
+            raise InputError(f"{source_of(options)} has no surface at {options.isovalue:g}.")
+    else:
+        volume = load_input(options)
+        mesh = extract_isosurface(
+            volume, options.isovalue, method=options.method, stride=options.stride,
+            largest_part=options.largest_part, min_triangles=options.min_triangles, smooth=options.smooth,
+            decimate=options.decimate, progress=progress.part(0.0, 0.8),
+        )  # fmt: skip
+        if mesh.n_cells == 0:
+            low, high = volume.range
+            raise InputError(
+                f"{volume.name} has no surface at {options.isovalue:g}; its values lie between {low:g} and {high:g}."
+            )
     note = save_mesh(mesh, output, overwrite=options.overwrite, progress=progress.part(0.8, 1.0))
     progress.end()
     if note:
@@ -79,6 +88,32 @@ def run_isosurface(options: argparse.Namespace) -> int:
     area, enclosed = mesh_area_volume(mesh)
     _say(f"{output}: {mesh.n_cells} triangles, {mesh.n_points} vertices, area {area:g}, volume {enclosed:g}")
     return 0
+
+
+def _by_blocks(options: argparse.Namespace, progress: Callable[[float], None]) -> Any:
+    """The mesh of a volume that need not fit into memory."""
+    from volviz.kernels.marching import keep_components
+    from volviz.meshes.blocks import isosurface_by_blocks
+    from volviz.meshes.polydata import polydata
+
+    given = {
+        "--stride": options.stride != 1, "--smooth": options.smooth, "--decimate": options.decimate,
+        "--box": options.box is not None,
+    }  # fmt: skip
+    for name, value in given.items():
+        if value:
+            raise InputError(f"--blocks goes without {name}; leave out one of them.")
+    vertices, faces, normals = isosurface_by_blocks(
+        open_input(options), options.isovalue, options.method, block=options.blocks, level=options.level or 0,
+        **part_of(options), progress=progress,
+    )  # fmt: skip
+    if len(faces) and (options.largest_part or options.min_triangles):
+        vertices, faces, normals = keep_components(
+            vertices, faces, normals, largest_only=options.largest_part, min_triangles=options.min_triangles
+        )
+    mesh = polydata(vertices, faces, normals)
+    mesh.field_data["isovalue"] = [float(options.isovalue)]
+    return mesh
 
 
 def run_crosscheck(options: argparse.Namespace) -> int:

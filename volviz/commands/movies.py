@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from volviz.commands.images import add_look_options, parse_size
+from volviz.commands.drawing import add_look_options, parse_size
 from volviz.commands.inputs import add_input
 from volviz.commands.layers import add_layer_option
 from volviz.commands.progress import ProgressLine

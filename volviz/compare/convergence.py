@@ -337,7 +337,7 @@ def oracle_scene(spec: RenderSpec, view: View, step: float) -> OracleScene:
         volume.array, volume.spacing, shown.drawn_function, volume.bulk_range, volume.mean_spacing,
         step * min(volume.spacing), modelview, projection, view.size, volume.origin, volume.direction,
         isovalues=shown.isovalues,
-        light=light if light.headlight else replace(light, position=shown.light_position),
+        light=light if light.headlight else replace(light, position=shown.light_seen_from(modelview)),
         clipping=shown.clipping,
     )  # fmt: skip
 

@@ -13,7 +13,7 @@ from volviz.custom_gl.technique import surface_settings
 from volviz.errors import InputError
 from volviz.model.clipping import Clipping
 from volviz.model.layers import ImageLayer, LabelLayer, volume_of
-from volviz.model.light import Light
+from volviz.model.light import FROM_UPPER_LEFT, Light
 from volviz.model.looks.choice import look_named
 from volviz.model.looks.look import Look
 from volviz.model.parameters import make_settings, parameters_of, setting_values
@@ -65,7 +65,7 @@ def spec_of(
         layers = layers_of(shown, transfer_function)
     info = technique_info(technique or DEFAULT_TECHNIQUE)
     # under a light at the eye no shadow is seen, and shapes look flat
-    first_light = Light(headlight=look is None and "light" not in info.manipulators)
+    first_light = Light(headlight="light" not in info.manipulators) if look is None else FROM_UPPER_LEFT
     new_light, new_clipping, own = split_values(values, light or first_light, clipping or Clipping())
     if settings is None:
         settings = make_settings(info.settings, (dict(info.classic) if classic else {}) | own, owner=info.id)
@@ -180,7 +180,8 @@ def split_values(
 ) -> tuple[Light, Clipping, dict[str, Any]]:
     """Keywords as light, clipping and the rest, which belongs to the technique.
 
-    A light position without a word on the headlight switches the headlight off: it was meant to be seen.
+    A light position without a word on the headlight switches the headlight off: it was meant to be seen. So does a
+    light beside the eye.
     """
     shared = {p.name: p for p in parameters_of(SharedSettings)}
     own = {name: value for name, value in values.items() if name not in shared}
@@ -190,6 +191,9 @@ def split_values(
         changes["position"] = given["light_position"]
     if given.get("light_position") is not None:
         changes["headlight"] = False
+        changes["beside_eye"] = False
+    if given.get("light_beside_eye"):
+        changes |= {"headlight": False, "beside_eye": True}
     if "headlight" in given:
         changes["headlight"] = given["headlight"]
     if "light_color" in given:

@@ -28,7 +28,7 @@ from volviz.kernels.slices import crop_corners
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping, Crop, Plane
 from volviz.model.layers import LabelLayer
-from volviz.model.light import Light, default_position
+from volviz.model.light import Light, default_position, position_beside_eye
 from volviz.model.render_spec import RenderSpec
 from volviz.model.surface_values import SurfaceColors
 from volviz.model.transfer.function import TransferFunction
@@ -86,8 +86,11 @@ class ResolvedSpec:
         Instance of its settings class.
     common : CommonSettings
         The same as the parts that all techniques share read it.
+    bounds : tuple of 6 floats
+        World bounds of what the light shines on.
     light_position : tuple of 3 floats
-        World position of the placed light (also while the headlight is on).
+        World position of the placed light (also while the headlight is on); `light_seen_from` knows the one beside
+        the eye.
     crop : tuple of 6 floats
         Box that is shown, in continuous voxel indices (i0, i1, j0, j1, k0, k1), within the volume.
     transfer_function : TransferFunction
@@ -106,6 +109,7 @@ class ResolvedSpec:
     info: TechniqueInfo
     settings: Any
     common: CommonSettings
+    bounds: tuple[float, float, float, float, float, float]
     light_position: Vector
     crop: Crop
     transfer_function: TransferFunction
@@ -121,6 +125,12 @@ class ResolvedSpec:
     def clipping(self) -> Clipping:
         """Crop box and clip planes as they were asked for."""
         return self.spec.clipping
+
+    def light_seen_from(self, world_to_eye: npt.NDArray[np.float64]) -> Vector:
+        """World position of the light, where it is no headlight, for a view matrix, shape (4, 4)."""
+        if self.light.beside_eye:
+            return position_beside_eye(self.bounds, world_to_eye)
+        return self.light_position
 
     @cached_property
     def isovalues(self) -> tuple[float, ...]:
@@ -334,6 +344,7 @@ def resolve(spec: RenderSpec, volumes: Volumes | None = None) -> ResolvedSpec:
         info=info,
         settings=settings,
         common=common,
+        bounds=(x0, x1, y0, y1, z0, z1),
         light_position=spec.light.position or default_position((x0, x1, y0, y1, z0, z1)),
         crop=spec.clipping.crop_within(volume.dimensions),
         transfer_function=ResolvedLabels.FUNCTION if first is None else first.transfer_function,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,11 @@ import numpy as np
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
 from volviz.custom_gl.technique import TechniqueInfo
+from volviz.model.cursor import tilted
 from volviz.model.layers import ImageLayer, Layer
-from volviz.model.light import Light
+from volviz.model.light import FROM_UPPER_LEFT, Light
 from volviz.model.looks.look import Look
+from volviz.model.manipulators import as_vector
 from volviz.model.movie import Surroundings
 from volviz.model.parameters import Parameter, make_settings, setting_values
 from volviz.model.render_spec import RenderSpec
@@ -52,6 +55,8 @@ def current_settings(scene: Scene, view: int | None = None) -> Any:
 def settings_at_cursor(scene: Scene, view: int | None = None) -> Any:
     """Settings with which a view is drawn: what follows the cursor is where that is."""
     info, settings = current_technique(scene, view), current_settings(scene, view)
+    if scene.tilt is not None and info.turned is not None and scene.view_at(view).own_camera:
+        settings = info.turned(settings, partial(tilted, scene.tilt))
     name = info.cursor_setting
     if not name or scene.cursor is None or getattr(settings, name) is not None:
         return settings
@@ -68,7 +73,17 @@ def faced(scene: Scene, view: int) -> tuple[Vector, Vector] | None:
     info = current_technique(scene, view)
     if info.facing is None or not scene.view_at(view).own_camera:
         return None
-    return info.facing(current_settings(scene, view))
+    settings = current_settings(scene, view)
+    facing = info.facing(settings)
+    if scene.tilt is None or info.turned is None or facing is None:
+        return facing
+    turned = info.facing(info.turned(settings, partial(tilted, scene.tilt)))
+    assert turned is not None
+    # what is up stays up, as far as it can: the slice across which one turns must not turn itself
+    normal, up = turned[0], np.asarray(facing[1])
+    up = up - (up @ np.asarray(normal)) * np.asarray(normal)
+    length = float(np.linalg.norm(up))
+    return (normal, as_vector(up / length)) if length > 1e-3 else turned
 
 
 def with_slices(scene: Scene, layout: Layout) -> Scene:
@@ -218,7 +233,7 @@ def _lit_from_above(scene: Scene, view: int | None = None) -> Scene:
     settings = current_settings(scene, view)
     # a technique whose settings have no switch for it is always lit where it has an ambient light
     lit = getattr(settings, "shading", hasattr(settings, "ambient"))
-    return replace(scene, light=Light(headlight=False)) if lit and scene.light == Light() else scene
+    return replace(scene, light=FROM_UPPER_LEFT) if lit and scene.light == Light() else scene
 
 
 def choose_technique(store: Store, technique: str, *, view: int | None = None) -> None:

@@ -41,6 +41,13 @@ class SharedSettings:
         group="Light",
         enabled_by=("headlight", (False,)),
     )
+    light_beside_eye: bool = parameter(
+        False,
+        "Light beside the eye",
+        "The light stays at the upper left of the eye, however the camera turns.",
+        group="Light",
+        enabled_by=("headlight", (False,)),
+    )
     light_color: tuple[float, float, float] = parameter(
         (1.0, 1.0, 1.0), "Light colour", "Colour of the light.", kind="color", group="Light"
     )

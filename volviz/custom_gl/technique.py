@@ -95,6 +95,9 @@ class TechniqueInfo:
     facing : callable or None
         From its settings the direction towards the viewer, and up, from which its image is meant to be seen by a
         parallel projection; it may give None as well. None where every view is as good.
+    turned : callable or None
+        Takes its settings and a function that turns directions; gives settings whose plane is turned so. None where
+        nothing is.
     study : callable or None
         Says how its convergence on a volume is measured, None where that has too few voxels. Itself None where there is
         nothing in its images to refine.
@@ -138,6 +141,7 @@ class TechniqueInfo:
     extraction: str = ""
     cursor_setting: str = ""
     facing: Callable[[Any], tuple[Vector, Vector] | None] | None = None
+    turned: Callable[[Any, Callable[[Vector], Vector]], Any] | None = None
     study: Callable[[Volume], Study | None] | None = None
     oracle: Callable[[OracleScene, Any], Matrix] | None = None
     is_oracle: bool = False

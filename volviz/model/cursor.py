@@ -1,4 +1,4 @@
-"""The cursor of a scene: the world point that slices go through, moved within a volume."""
+"""The cursor of a scene: the world point that slices go through and how they are tilted."""
 
 from __future__ import annotations
 
@@ -12,6 +12,36 @@ from volviz.volume_data.vectors import Vector
 if TYPE_CHECKING:
     from volviz.model.scene import Scene
     from volviz.volume_data.volume import Volume
+
+
+#: Rows of a rotation matrix.
+Tilt = tuple[Vector, Vector, Vector]
+
+
+def tilted(tilt: Tilt | None, direction: Sequence[float]) -> Vector:
+    """A direction as the planes of a scene are tilted; itself where they are not."""
+    rows = np.eye(3) if tilt is None else np.asarray(tilt)
+    x, y, z = (float(v) for v in rows @ np.asarray(direction, np.float64))
+    return x, y, z
+
+
+def turned(tilt: Tilt | None, axis: Sequence[float], degrees: float) -> Tilt:
+    """The tilt after all planes have been turned about a world axis, counter-clockwise seen against it.
+
+    Parameters
+    ----------
+    tilt : Tilt or None
+    axis : array_like of shape (3,)
+        Unit vector.
+    degrees : float
+    """
+    from scipy.spatial.transform import Rotation
+
+    more = Rotation.from_rotvec(np.radians(degrees) * np.asarray(axis, np.float64))
+    before = Rotation.identity() if tilt is None else Rotation.from_matrix(np.asarray(tilt))
+    # composed as quaternions: what is turned many times stays a rotation
+    a, b, c = (tuple(float(v) for v in row) for row in (more * before).as_matrix())
+    return a, b, c  # type: ignore[return-value]
 
 
 def cursor_of(scene: Scene, volume: Volume) -> Vector:

@@ -80,6 +80,8 @@ class Scene:
         How several views are looked at together.
     cursor : tuple of 3 floats or None
         World point that slices go through and that cross-hairs mark; None is the middle of the volume.
+    tilt : tuple of 3 tuples of 3 floats or None
+        Rows of the rotation by which axial, coronal and sagittal slices are turned together; None for not at all.
     layout : {"grid", "large"}
         Views of equal size, or the first one large beside the others.
     active_layer : int
@@ -100,6 +102,7 @@ class Scene:
     active: int = 0
     comparison: Comparison = Comparison()
     cursor: Vector | None = None
+    tilt: tuple[Vector, Vector, Vector] | None = None
     layout: Layout = "grid"
     active_layer: int = 0
     measurements: tuple[Measurement, ...] = ()

@@ -13,6 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
+
 from volviz.errors import LoadError, VolvizError
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
@@ -64,6 +66,7 @@ def scene_to_dict(scene: Scene, folder: Path | None = None) -> dict[str, Any]:
         "active": scene.active,
         "comparison": dataclasses.asdict(scene.comparison),
         "cursor": scene.cursor,
+        "tilt": scene.tilt,
         "layout": scene.layout,
         "active_layer": scene.active_layer,
         "measurements": [measurement_to_dict(each) for each in scene.measurements],
@@ -189,6 +192,8 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
             bool(light["headlight"]),
             None if position is None else _numbers(position, 3),
             _numbers(light["color"], 3),
+            # absent where the session was written before a light could stand there
+            bool(light.get("beside_eye", False)),
         ),
         clipping=Clipping(clipping["crop"], tuple((tuple(o), tuple(n)) for o, n in clipping["planes"])),
         background=None if data["background"] is None else _numbers(data["background"], 3),
@@ -199,6 +204,8 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
         layout=LAYOUTS[LAYOUTS.index(data["layout"])],
         # absent where the session was written before there were several layers to choose from
         active_layer=int(data.get("active_layer", 0)),
+        # likewise of tilted slices
+        tilt=None if data.get("tilt") is None else _rotation(data["tilt"]),
         # likewise of time points
         time_range=_time_range(data.get("time_range", "fixed")),
         measurements=tuple(measurement_from_dict(each) for each in data["measurements"]),
@@ -209,6 +216,14 @@ def _scene(data: dict[str, Any], settings_of: SettingsOf, folder: Path | None) -
 def _comparison(data: Mapping[str, Any]) -> Comparison:
     first, second = data["pair"]
     return Comparison(**{**data, "pair": (int(first), int(second))})
+
+
+def _rotation(rows: Any) -> Any:
+    """Rows of a rotation matrix."""
+    matrix = np.array([_numbers(row, 3) for row in rows])
+    if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6):
+        raise ValueError("a tilt that is no rotation")
+    return tuple(tuple(float(v) for v in row) for row in matrix)
 
 
 def _time_range(value: Any) -> TimeRange:

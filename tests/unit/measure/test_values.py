@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
+from pathlib import Path
 
+import nibabel
 import numpy as np
 import pytest
 
 import volviz
 from volviz import measure
 from volviz.errors import InputError
+from volviz.measure.readings import value_at
 from volviz.volume_data.volume import Volume
 
 
@@ -90,6 +93,37 @@ def test_parts_of_a_surface_are_measured_one_by_one() -> None:
         assert abs(found.value - true) < found.error < 0.25 * true
     wider = measure.isosurface_volume(volume, 0.0, isovalue_error=0.5)
     assert wider.error > measure.isosurface_volume(volume, 0.0).error
+
+
+@pytest.mark.parametrize(
+    "affine",
+    [
+        [[-2.0, 0.0, 0.0, 90.0], [0.0, 0.5, 0.0, -40.0], [0.0, 0.0, 3.0, 7.0]],
+        [[1.2, 0.3, 0.0, 5.0], [-0.4, 0.9, 0.0, 2.0], [0.0, 0.0, -2.5, 60.0]],
+        [[1.0, 0.08, 0.0, -3.0], [0.0, 1.0, 0.05, 8.0], [0.0, 0.0, 1.5, 1.0]],
+    ],
+    ids=["anisotropic, left-handed", "oblique", "sheared"],
+)
+def test_places_and_lengths_are_those_of_nibabel(affine: list[list[float]], tmp_path: Path) -> None:
+    matrix = np.array([*affine, [0.0, 0.0, 0.0, 1.0]])
+    values = np.random.default_rng(2).integers(0, 1000, (11, 12, 13)).astype(np.int16)
+    path = tmp_path / "lattice.nii"
+    nibabel.Nifti1Image(values, matrix).to_filename(path)
+    volume = volviz.load(path)
+    voxels = np.array([[2, 3, 4], [9, 8, 1]])
+    places = nibabel.affines.apply_affine(nibabel.load(path).affine, voxels)
+    # from the axes of NIfTI (right, front) to those of the world here (left, back)
+    world = places * (-1.0, -1.0, 1.0)
+    for place, (i, j, k) in zip(world, voxels, strict=True):
+        assert value_at(measure.Point(tuple(place)), volume).value == pytest.approx(values[i, j, k])
+    found = measure.distance(*world, volume)
+    assert found.value == pytest.approx(np.linalg.norm(places[1] - places[0]), rel=1e-6)
+    (labelled,) = measure.label_volumes(
+        Volume((volume.array > 500).astype(np.uint8), volume.spacing, volume.origin, volume.direction)
+    ).values()
+    assert labelled.value == pytest.approx(
+        (values > 500).sum() * abs(np.linalg.det(matrix[:3, :3])), rel=1e-6
+    )
 
 
 @pytest.mark.parametrize(

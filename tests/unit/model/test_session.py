@@ -95,7 +95,9 @@ layers = (
 scenes = st.builds(
     Scene,
     layers=st.lists(layers, max_size=3).map(tuple),
-    light=st.builds(Light, headlight=st.booleans(), position=st.none() | vectors, color=colors),
+    light=st.builds(
+        Light, headlight=st.booleans(), position=st.none() | vectors, color=colors, beside_eye=st.booleans()
+    ),
     clipping=st.sampled_from([Clipping(), Clipping((0, 5, 1, 4, 2, 9), (((0, 0, 1), (0, 0.6, 0.8)),))]),
     background=st.none() | colors,
     views=st.builds(
@@ -221,7 +223,8 @@ def test_a_session_of_version_2_has_one_camera_and_no_cross_hair() -> None:
     for view in data["views"]:
         del view["own_camera"]
     assert scene_from_dict({**data, "version": 2}, settings_of) == scene
-    moved = replace(scene, cursor=(1.0, 2.0, 3.0), layout="large")
+    tilt = ((0.8, -0.6, 0.0), (0.6, 0.8, 0.0), (0.0, 0.0, 1.0))
+    moved = replace(scene, cursor=(1.0, 2.0, 3.0), layout="large", tilt=tilt)
     assert scene_from_dict(scene_to_dict(moved), settings_of) == moved
 
 

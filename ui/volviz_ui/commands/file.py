@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QFileDialog
 
-from volviz.model.session import SUFFIX as SESSION_SUFFIX
+from volviz.scene_volumes import holds_scene
 from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, is_address
 from volviz_ui.app_context import AppContext
@@ -229,7 +229,7 @@ class FileCommands(QObject):
             self._context.documents.open(path)
             return
         self._context.preferences.folder = str(Path(path).parent)
-        if path.endswith(SESSION_SUFFIX):
+        if holds_scene(Path(path)):
             self._sessions.unless_unsaved(partial(self._sessions.open_path, path))
         elif is_raw(path) and Path(path).is_file() and not says_all(path):
             self.ask_how_to_read(path)

@@ -31,6 +31,12 @@ class LookCommands(QObject):
     context : AppContext
     thumbnail : callable
         Draws a small image of a look on the user's volume.
+
+    Attributes
+    ----------
+    strip : LookStrip
+    is_drawing : bool
+        Images of looks are still missing.
     """
 
     def __init__(self, context: AppContext, thumbnail: ThumbnailProvider) -> None:
@@ -46,6 +52,7 @@ class LookCommands(QObject):
         self._idle.setInterval(0)
         self._idle.timeout.connect(self._draw_next)
         self._undrawn: list[int] = []
+        self.is_drawing = False
         show_value(context.documents, volume_of, self._forget)
         context.documents.changed.connect(self._on_changed)
 
@@ -92,7 +99,7 @@ class LookCommands(QObject):
         if volume is not self._context.documents.volume or not can_take_looks(scene):
             return
         if found != self.strip.looks:
-            self._undrawn = list(range(len(found)))
+            self._undrawn, self.is_drawing = list(range(len(found))), True
             self._idle.start()
         self.strip.show_looks(found)
         now = _shown(scene, found)
@@ -102,6 +109,7 @@ class LookCommands(QObject):
 
     def _forget(self, _volume: Volume | None) -> None:
         self._idle.stop()
+        self.is_drawing = False
         self.strip.clear()
 
     def _on_changed(self, _old: LoadedScene, new: LoadedScene) -> None:
@@ -112,6 +120,7 @@ class LookCommands(QObject):
             self.strip.mark(_shown(scene, self.strip.looks))
 
     def _draw_next(self) -> None:
+        self.is_drawing = bool(self._undrawn)
         if not self._undrawn:
             return
         number = self._undrawn.pop(0)

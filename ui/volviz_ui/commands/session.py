@@ -10,10 +10,10 @@ from pathlib import Path
 from PySide6.QtCore import QDateTime, QLocale, QObject, QStandardPaths
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
-from volviz.custom_gl.registry import known_settings
 from volviz.errors import VolvizError
 from volviz.model.scene import Scene
-from volviz.model.session import SUFFIX, load_session, save_session
+from volviz.model.session import SUFFIX, save_session
+from volviz.scene_volumes import load_scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Entry
 from volviz_ui.session.autosave import Left, left_behind
@@ -52,9 +52,9 @@ class SessionCommands(QObject):
             self.unless_unsaved(partial(self.open_path, path))
 
     def open_path(self, path: str | Path) -> bool:
-        """Open a session file; False when it cannot be read (and that was reported)."""
+        """Open a session file, or a picture that carries one; False when it cannot be read (and that was reported)."""
         try:
-            scene = load_session(path, known_settings)
+            scene = load_scene(Path(path))
         except VolvizError as error:
             self._context.messages.show_error(
                 self.tr("%1 was not opened").replace("%1", Path(path).name), error
@@ -68,7 +68,8 @@ class SessionCommands(QObject):
         return True
 
     def _open_scene(self, scene: Scene, path: Path) -> None:
-        self._opening = path
+        # what is saved next goes into the session file, never into a picture
+        self._opening = path if path.name.lower().endswith(SUFFIX) else None
         self._context.documents.open_scene(scene)
 
     def _ask_where_it_is(self, scene: Scene, missing: str, path: Path) -> None:

@@ -142,6 +142,10 @@ class ViewCommands(QObject):
                 "view.slices.centre", tr("Cross-hair to the &middle"), tr("Back to the middle of the volume"),
                 self.center_cursor, enabled=lambda state: state.scene.cursor is not None,
             ),
+            Command(
+                "view.slices.straighten", tr("&Straighten"), tr("Slices across the axes of the world again"),
+                self.straighten, enabled=lambda state: state.scene.tilt is not None,
+            ),
         ]  # fmt: skip
 
     def show_slices(self, layout: Layout, on: bool) -> None:
@@ -155,6 +159,10 @@ class ViewCommands(QObject):
         self._context.store.update(
             lambda scene: replace(scene, cursor=None), label=self.tr("Cross-hair to the middle")
         )
+
+    def straighten(self) -> None:
+        """Let slices lie across the axes of the world again."""
+        self._context.store.update(lambda scene: replace(scene, tilt=None), label=self.tr("Straighten"))
 
     def _switch(self, name: str, words: str, tip: str, key: str = "", icon: str = "") -> Command:
         return Command(

@@ -64,7 +64,9 @@ def shared_texts(scene: Scene) -> list[str]:
     """Light, crop box and clip planes as ``name=value``."""
     light, clipping = scene.light, scene.clipping
     values: dict[str, Any] = {}
-    if light.position is not None:
+    if light.beside_eye:
+        values["light_beside_eye"] = True
+    elif light.position is not None:
         values["light_position"] = light.position
     values["headlight"] = light.headlight
     if light.color != Light().color:

@@ -73,6 +73,14 @@ class ExportImageDialog(QDialog):
         self.transparent.setToolTip(
             self.tr("Nothing behind the volume; all formats but JPEG keep the transparency")
         )
+        self.session = QCheckBox(self.tr("Say in the file how it was made"), self)
+        self.session.setToolTip(
+            self.tr(
+                "PNG and TIFF files carry the session, with the paths of its volumes but nothing out of their headers. "
+                "Dropped on the window, such a picture restores the scene"
+            )
+        )
+        self.session.setChecked(True)
         self.title = QLineEdit(contents.title, self)
         self.title.setPlaceholderText(self.tr("None"))
         self.title.setToolTip(self.tr("A line at the upper edge of the picture"))
@@ -106,6 +114,7 @@ class ExportImageDialog(QDialog):
         form.addRow("", self.printed)
         form.addRow("", self.keep)
         form.addRow("", self.transparent)
+        form.addRow("", self.session)
         form.addRow(self.tr("Around the volume"), around)
         form.addRow(self.tr("Title"), self.title)
         hint = quiet_label(
@@ -150,6 +159,7 @@ class ExportImageDialog(QDialog):
             PictureContents.of(names, self.title.text().strip()),
             self.view.currentData(),
             self._dpi,
+            self.session.isChecked(),
         )
 
     # ------------------------------------------------------------------ parts

@@ -21,7 +21,12 @@ from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import volume_of
 from volviz_ui.widgets.binding import send_gesture, send_value, show_value
 
-_FIELDS = {"headlight": "headlight", "light_position": "position", "light_color": "color"}
+_FIELDS = {
+    "headlight": "headlight",
+    "light_beside_eye": "beside_eye",
+    "light_position": "position",
+    "light_color": "color",
+}
 """Setting of `SharedSettings` and field of `Light`."""
 
 
@@ -50,8 +55,12 @@ class LightSection(Section):
         """Show a light."""
         for field, editor in self.editors.items():
             editor.set_value(getattr(light, field))
-        self.editors["position"].setEnabled(not light.headlight)
-        self._words["position"].setEnabled(not light.headlight)
+        for field, counts in (
+            ("beside_eye", not light.headlight),
+            ("position", not light.headlight and not light.beside_eye),
+        ):
+            self.editors[field].setEnabled(counts)
+            self._words[field].setEnabled(counts)
 
     def _show_volume(self, volume: Volume | None) -> None:
         """Show where the automatic place is."""

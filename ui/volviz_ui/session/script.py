@@ -169,7 +169,9 @@ def _light(light: Light, info: TechniqueInfo) -> list[str]:
         lines.append("    headlight=True,")
     if not light.headlight:
         lines.append("    headlight=False,")
-        if light.position is not None:
+        if light.beside_eye:
+            lines.append("    light_beside_eye=True,")
+        elif light.position is not None:
             lines.append(f"    light_position={_tuple(light.position)},")
     if light.color != Light().color:
         lines.append(f"    light_color={_tuple(light.color)},")

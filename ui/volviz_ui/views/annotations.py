@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
+from PySide6.QtCore import QPointF
 
+from volviz.annotations.background import BOTTOM, GROUND, TOP
 from volviz.annotations.picture import shapes_around
 from volviz.annotations.planes import subject_of_view
+from volviz.annotations.projection import Projection
 from volviz.annotations.shapes import Shape
 from volviz.annotations.style import Style
 from volviz.annotations.subject import Subject, surface_bar
@@ -21,13 +24,12 @@ from volviz.model.picture import SWITCHES, PictureContents
 from volviz.model.surface_values import SurfaceColors
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.loaded_scene import LoadedScene
+from volviz_ui.views import tilt_handles
 from volviz_ui.views.overlay import Overlay
 from volviz_ui.views.viewport import Viewport
 
-TOP, BOTTOM = "#3b4450", "#14171b"
 """Colours of the background: dark in both themes, since light is added up in front of it."""
 
-GROUND = pv.Color(BOTTOM).float_rgb
 _EDGES = [(a, a | bit) for a in range(8) for bit in (1, 2, 4) if not a & bit]
 
 
@@ -137,6 +139,18 @@ class Annotations:
             self._told = (key, replace(subject, note=self._note))
         return self._told[1]
 
+    def is_on_knob(self, position: QPointF) -> bool:
+        """Whether a knob that turns slices lies at a place of the viewport."""
+        subject = self.subject()
+        if subject is None or not self._contents.cross_hair:
+            return False
+        return tilt_handles.is_on_knob(subject, self._projection, (position.x(), position.y()))
+
+    @property
+    def _projection(self) -> Projection:
+        size = (max(self._viewport.width(), 1), max(self._viewport.height(), 1))
+        return Projection(self._viewport.view_camera, size)
+
     def _shapes(self) -> tuple[Shape, ...]:
         size = (max(self._viewport.width(), 1), max(self._viewport.height(), 1))
         subject = self.subject()
@@ -148,6 +162,8 @@ class Annotations:
         if self._laid_out is None or self._laid_out[0] != key:
             ground = self._loaded.scene.background or GROUND
             shapes = shapes_around(contents, subject, camera, size, background=ground, scale=1.0)
+            if contents.cross_hair:
+                shapes = (*shapes, *tilt_handles.shapes(subject, Projection(camera, size)))
             self._laid_out = (key, shapes)
         return self._laid_out[1]
 
@@ -168,13 +184,3 @@ class Annotations:
                 render=False,
                 pickable=False,
             )
-
-
-def background_image(color: tuple[float, float, float] | None, size: tuple[int, int]) -> np.ndarray:
-    """The background of the viewport as an array of shape (H, W, 3), 0..1: one colour, or the gradient."""
-    width, height = size
-    if color is not None:
-        return np.broadcast_to(np.asarray(color, np.float32), (height, width, 3))
-    top, bottom = (np.asarray(pv.Color(c).float_rgb, np.float32) for c in (TOP, BOTTOM))
-    t = np.linspace(0.0, 1.0, height, dtype=np.float32)[:, None, None]
-    return np.broadcast_to((1 - t) * top + t * bottom, (height, width, 3))

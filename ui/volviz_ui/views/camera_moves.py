@@ -42,6 +42,13 @@ def zoomed(camera: Camera, factor: float) -> Camera:
     return replace(camera, position=_vector(np.add(camera.focal_point, offset)))
 
 
+def zoomed_at(camera: Camera, factor: float, place: tuple[float, float], size: tuple[int, int]) -> Camera:
+    """The camera nearer by a factor; what lies behind a place (x right, y down, in pixels) stays there."""
+    share = 1.0 - 1.0 / factor
+    dx, dy = place[0] - size[0] / 2, place[1] - size[1] / 2
+    return zoomed(panned(camera, -share * dx, -share * dy, size), factor)
+
+
 def flown(camera: Camera, bounds: tuple[float, float, float, float, float, float]) -> Camera:
     """The camera in front of a world box (x0, x1, y0, y1, z0, z1), which fills about half of the view."""
     low, high = np.array(bounds[::2]), np.array(bounds[1::2])
@@ -65,6 +72,16 @@ def panned(camera: Camera, dx: float, dy: float, size: tuple[int, int]) -> Camer
         position=_vector(np.add(camera.position, move)),
         focal_point=_vector(np.add(camera.focal_point, move)),
     )
+
+
+def faced_anew(camera: Camera, normal: Vector, up: Vector, about: Vector) -> Camera:
+    """The camera straight before another plane: as near as before, with the same point in the same place."""
+    right_before, up_before = frame(camera)
+    offset = np.subtract(camera.focal_point, about)
+    across, upwards = offset @ right_before, offset @ up_before
+    focal = np.asarray(about) + across * np.cross(up, normal) + upwards * np.asarray(up)
+    position = focal + camera.distance * np.asarray(normal)
+    return replace(camera, position=_vector(position), focal_point=_vector(focal), view_up=up)
 
 
 def point_on_plane(

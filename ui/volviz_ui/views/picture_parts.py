@@ -6,15 +6,13 @@ from dataclasses import dataclass, field
 
 from PySide6.QtCore import QPoint, QRect
 
+from volviz.annotations.composition import CAPTION, TITLE
 from volviz.custom_gl.scene_techniques import current_settings, current_technique, faced
-from volviz.model.picture import PictureContents
+from volviz.model.picture import PictureContents, PicturePart
 from volviz.model.scene import Scene
 from volviz_ui.views.view_grid import ViewGrid
 from volviz_ui.views.view_layout import GAP
 from volviz_ui.views.view_widget import ViewWidget
-
-#: Height of a line above a view in a picture of several, and of a title above all of them, in pixels of a screen.
-CAPTION, TITLE = 26, 34
 
 
 @dataclass(frozen=True)
@@ -33,6 +31,8 @@ class PictureRequest:
         Number of the view; None for all that are seen.
     dpi : float
         Pixels to an inch of paper.
+    keep_session : bool
+        The file tells how it was made, where the format can.
     """
 
     size: tuple[int, int]
@@ -40,31 +40,7 @@ class PictureRequest:
     contents: PictureContents = field(default_factory=PictureContents)
     view: int | None = None
     dpi: float = 96.0
-
-
-@dataclass(frozen=True)
-class Part:
-    """A view in a picture.
-
-    Attributes
-    ----------
-    view : int
-        Its number.
-    place : QRect
-        Where it lies, in pixels of the picture.
-    seen : tuple of 2 ints
-        First column of the picture that shows it, and the first one that does not any more.
-    caption : str
-        What stands above it; empty for nothing.
-    scale : float
-        Pixels of the picture to one of the screen.
-    """
-
-    view: int
-    place: QRect
-    seen: tuple[int, int]
-    caption: str
-    scale: float
+    keep_session: bool = True
 
 
 def size_on_screen(views: ViewGrid, view: int | None) -> tuple[int, int]:
@@ -76,13 +52,13 @@ def size_on_screen(views: ViewGrid, view: int | None) -> tuple[int, int]:
     return round(canvas.width() * ratio), round(canvas.height() * ratio)
 
 
-def parts_of(views: ViewGrid, scene: Scene, request: PictureRequest) -> list[Part]:
+def parts_of(views: ViewGrid, scene: Scene, request: PictureRequest) -> list[PicturePart]:
     """The views of a picture and their places in it."""
     width, height = request.size
     if request.view is not None or len(views.shown_view_widgets) == 1:
         view = request.view or 0
         viewport = views.view_widgets[view].viewport
-        return [Part(view, QRect(0, 0, width, height), (0, width), "", width / max(viewport.width(), 1))]
+        return [PicturePart(view, (0, 0, width, height), (0, width), "", width / max(viewport.width(), 1))]
     canvas, places = _canvas(views)
     x = width / canvas.width()
     above = TITLE * x if request.contents.title else 0.0
@@ -91,15 +67,15 @@ def parts_of(views: ViewGrid, scene: Scene, request: PictureRequest) -> list[Par
     for view_widget, place in places:
         left, right = round(place.left() * x), round((place.left() + place.width()) * x)
         top, bottom = round(above + place.top() * y), round(above + (place.top() + place.height()) * y)
-        rect = QRect(left, top, max(right - left, 1), max(bottom - top, 1))
-        seen = (left, left + rect.width())
-        parts.append(Part(view_widget.view, rect, seen, caption_of(scene, view_widget.view), x))
+        rect = (left, top, max(right - left, 1), max(bottom - top, 1))
+        seen = (left, left + rect[2])
+        parts.append(PicturePart(view_widget.view, rect, seen, caption_of(scene, view_widget.view), x))
     if views.arrangement.wiped:
         first, second = parts
         border = round(scene.comparison.divider * width)
         parts = [
-            Part(first.view, first.place, (0, border), first.caption, x),
-            Part(second.view, second.place, (border, width), second.caption, x),
+            PicturePart(first.view, first.place, (0, border), first.caption, x),
+            PicturePart(second.view, second.place, (border, width), second.caption, x),
         ]
     return parts
 

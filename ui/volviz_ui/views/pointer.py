@@ -8,6 +8,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, QTimer, Signal
 
 from volviz.custom_gl.picking import Picked
+from volviz.measure.results import length_unit
 from volviz.model.layers import LabelLayer
 from volviz.model.manipulators import as_vector
 from volviz.model.store import Store
@@ -115,6 +116,25 @@ class Pointer(QObject):
             )
         )
 
+    def _others(self, picked: Picked) -> list[str]:
+        """Names and values of the other visible layers at a place."""
+        shown, own = self._documents.shown, self._layer_of(picked)
+        words = []
+        for number, layer in enumerate(shown.scene.layers):
+            volume = shown.volumes.get(layer.key)
+            if volume is None or number == own or not layer.visible:
+                continue
+            placed = volume if layer.transform is None else volume.moved(layer.transform)
+            found = placed.value_at(picked.position)
+            if found is None:
+                continue
+            if isinstance(layer, LabelLayer):
+                told = dict(layer.names).get(int(found)) or f"{found:.0f}"
+            else:
+                told = f"{found:.6g} {volume.unit}".rstrip()
+            words.append(f"{layer.name or volume.name} {told}")
+        return words
+
     def _on_clicked(self, view: int, position: QPointF) -> None:
         if not any(isinstance(layer, LabelLayer) for layer in self._documents.shown.scene.layers):
             return
@@ -162,10 +182,13 @@ class Pointer(QObject):
             i, j, k = picked.voxel
             # a surface has a value of its own; elsewhere the number that stands in the file is looked for
             value = picked.isovalue if picked.isovalue is not None else float(volume.array[k, j, i])
-        self._status_line.show_picked(
-            None if picked is None else picked.voxel,
-            value,
-            volume.unit if volume is not None else "",
-            "" if picked is None else self._words(picked),
-        )
+        if picked is None or volume is None:
+            self._status_line.show_picked(None)
+        else:
+            unit = length_unit(volume)
+            place = ", ".join(f"{v:.1f}" for v in picked.position) + f" {unit}"
+            words = [f"{value:.6g} {volume.unit}".rstrip(), self._words(picked)]
+            if len(self._documents.shown.scene.layers) > 1:
+                words += self._others(picked)
+            self._status_line.show_picked(picked.voxel, place, "   ".join(each for each in words if each))
         self._editor.highlight_value(value if volume is active else None)

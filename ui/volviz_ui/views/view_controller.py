@@ -7,6 +7,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 
 from volviz.custom_gl.arguments import keeping_surface_colors
@@ -19,13 +20,14 @@ from volviz.custom_gl.scene_techniques import (
 )
 from volviz.custom_gl.vtk import add_spec
 from volviz.model.camera import Camera
-from volviz.model.cursor import cursor_of, stepped, within
-from volviz.model.light import default_position
+from volviz.model.cursor import cursor_of, stepped, turned, within
+from volviz.model.light import default_position, position_beside_eye
+from volviz.model.manipulators import as_vector
 from volviz.model.store import Store
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
-from volviz_ui.views.camera_moves import light_moved, light_turned, point_on_plane
+from volviz_ui.views.camera_moves import faced_anew, light_moved, light_turned, point_on_plane
 from volviz_ui.views.frame_scheduler import QtFrameScheduler
 from volviz_ui.views.viewport import Viewport, same_view
 
@@ -82,6 +84,7 @@ class ViewController(QObject):
         viewport.light_wheeled.connect(self._on_light_wheeled)
         viewport.manipulator_dragged.connect(self._on_manipulator_dragged)
         viewport.cursor_dragged.connect(self._on_cursor_dragged)
+        viewport.tilt_dragged.connect(self._on_tilt_dragged)
         viewport.window_dragged.connect(self._on_window_dragged)
         viewport.stepped.connect(self._on_stepped)
         viewport.frame_drawn.connect(self._on_frame_drawn)
@@ -219,7 +222,12 @@ class ViewController(QObject):
         camera = new.scene.view_at(self._view).camera
         moving = any(viewport.is_moving for viewport in self._viewport.linked)
         turned = faced(new.scene, self._view) != faced(old.scene, self._view)
-        if camera is None or (turned and self._viewport.shows_slice):
+        if turned and camera is not None and new.scene.tilt != old.scene.tilt and new.volume is not None:
+            facing = faced(new.scene, self._view)
+            assert facing is not None
+            about = cursor_of(new.scene, new.volume)
+            self.show_camera(faced_anew(self._viewport.view_camera, *facing, about))
+        elif camera is None or (turned and self._viewport.shows_slice):
             self._frame(new)
         elif not moving and (
             camera != old.scene.view_at(self._view).camera
@@ -324,8 +332,13 @@ class ViewController(QObject):
         light = self._store.scene.light
         if volume is None:
             return
-        position = light.position if light.position is not None else default_position(volume.bounds)
-        moved = replace(light, headlight=False, position=move(position))
+        if light.beside_eye:
+            position = position_beside_eye(
+                volume.bounds, self._viewport.view_camera.matrices(1.0, (1.0, 2.0))[0]
+            )
+        else:
+            position = light.position or default_position(volume.bounds)
+        moved = replace(light, headlight=False, beside_eye=False, position=move(position))
         self._store.update(
             lambda scene: replace(scene, light=moved), label=self.tr("Move the light"), gesture=gesture
         )
@@ -361,6 +374,33 @@ class ViewController(QObject):
 
     def _on_cursor_dragged(self, position: QPointF) -> None:
         self.set_cursor_at(position, self._viewport.drag_key)
+
+    def _on_tilt_dragged(self, position: QPointF) -> None:
+        """Turn all slices about the normal of this one, until a line of the cross-hair goes through the pointer."""
+        volume, facing = self._movable, faced(self._store.scene, self._view)
+        if volume is None or facing is None:
+            return
+        middle = np.asarray(cursor_of(self._store.scene, volume))
+        size = (self._viewport.width(), self._viewport.height())
+        place = (position.x(), position.y())
+        way = np.subtract(point_on_plane(self._viewport.view_camera, place, size, as_vector(middle)), middle)
+        scene, least = self._store.scene, None
+        for number in range(len(scene.views)):
+            other = faced(scene, number)
+            if other is None or number == self._view:
+                continue
+            line = np.cross(other[0], facing[0])
+            angle = float(np.degrees(np.arctan2(np.cross(line, way) @ facing[0], line @ way)))
+            # a line has two ends: half a turn is none; the line that is nearest is the one that is held
+            angle = (angle + 90.0) % 180.0 - 90.0
+            if np.linalg.norm(line) > 1e-6 and (least is None or abs(angle) < abs(least)):
+                least = angle
+        if least is not None:
+            tilt = turned(scene.tilt, facing[0], least)
+            self._store.update(
+                lambda scene: replace(scene, tilt=tilt), label=self.tr("Tilt the slices"),
+                gesture=self._viewport.drag_key,
+            )  # fmt: skip
 
     def _on_stepped(self, notches: float) -> None:
         volume = self._movable

@@ -11,6 +11,7 @@ from PySide6.QtCore import QPointF, QTimer, Signal
 from PySide6.QtGui import QImage, QPainter, QPaintEvent, QPalette, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from volviz.annotations.background import background_image
 from volviz.errors import VolvizError
 from volviz.model.camera import Camera
 from volviz.model.measurements import Measurement
@@ -20,7 +21,6 @@ from volviz.model.view_edits import with_active, with_comparison
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.time_player import Preparation
-from volviz_ui.views.annotations import background_image
 from volviz_ui.views.difference_image import Bytes, over
 from volviz_ui.views.view_layout import ViewLayout
 from volviz_ui.views.view_widget import ViewWidget

@@ -62,6 +62,7 @@ class ViewWidget(QObject):
         self.ray_mark = RayMark(self.viewport)
         self.controller = ViewController(store, documents, self.viewport, self, view=view)
         self.annotations = Annotations(self.viewport, view, self._resolved)
+        self.viewport.grab_knob = self.annotations.is_on_knob
         self.controller.status_changed.connect(self.header.show_status)
 
     def place(self, image: QRect, *, visible: QRect | None = None, border: int = 0) -> None:

@@ -14,7 +14,7 @@ from pyvistaqt import QtInteractor
 
 from volviz.model.camera import Camera
 from volviz.model.store import Store
-from volviz_ui.views.camera_moves import TURN, WHEEL_STEP, panned, rotated, zoomed
+from volviz_ui.views.camera_moves import TURN, WHEEL_STEP, panned, rotated, zoomed, zoomed_at
 
 if TYPE_CHECKING:
     from volviz.custom_gl.vtk.manipulators import Manipulators
@@ -48,6 +48,11 @@ class Drag(Enum):
     WINDOW = "window"
     PLACE = "place"
     POINT = "point"
+    TILT = "tilt"
+
+
+#: What begins with a press that is a click when nothing moves.
+CLICKS = frozenset({Drag.ROTATE, Drag.CURSOR, Drag.PLACE, Drag.POINT, Drag.TILT})
 
 
 class Viewport(QtInteractor):
@@ -95,6 +100,8 @@ class Viewport(QtInteractor):
     """An image was asked for: camera or scene may be others."""
     point_dragged = Signal(QPointF)
     """Where a point of a measurement is to lie."""
+    tilt_dragged = Signal(QPointF)
+    """Where a knob of the cross-hair is to lie."""
     point_key_pressed = Signal(int)
     """A key for the points that are being placed: Escape, Backspace or Enter."""
     frame_drawn = Signal()
@@ -115,6 +122,8 @@ class Viewport(QtInteractor):
         """Whether a plane is faced here: drags move cross-hair and window, the wheel goes through the slices."""
         self.grab_point: Callable[[QPointF], bool] = lambda _position: False
         """Takes up a point of a measurement; whether there is one."""
+        self.grab_knob: Callable[[QPointF], bool] = lambda _position: False
+        """Takes up a knob of the cross-hair; whether there is one."""
         self._places_points = False
         self.linked: list[Viewport] = [self]
         self._own_camera = self.renderer.camera
@@ -312,6 +321,8 @@ class Viewport(QtInteractor):
                 self.manipulator_dragged.emit(self.manipulators.drag(*self._pixel(event.position())))
         elif self._drag is Drag.CURSOR:
             self.cursor_dragged.emit(event.position())
+        elif self._drag is Drag.TILT:
+            self.tilt_dragged.emit(event.position())
         elif self._drag is Drag.POINT:
             self.point_dragged.emit(event.position())
         elif self._drag is Drag.WINDOW:
@@ -325,14 +336,14 @@ class Viewport(QtInteractor):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The drag is over when the last button is up."""
         if event.buttons() == Qt.MouseButton.NoButton:
-            is_click = self._drag in {Drag.ROTATE, Drag.CURSOR, Drag.PLACE} and not self.is_moving
+            is_click = self._drag in CLICKS and not self.is_moving
             self._end_drag(cancelled=False)
             if is_click:
                 self.clicked.emit(event.position())
         event.accept()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom; with Ctrl the light comes nearer or goes away. Through slices, which zoom with Ctrl."""
+        """Zoom; with Ctrl the light comes nearer or goes away. Through slices, which zoom at the pointer with Ctrl."""
         notches = event.angleDelta().y() / 120
         if notches:
             self._begin_wheel()
@@ -340,6 +351,10 @@ class Viewport(QtInteractor):
                 self.stepped.emit(notches)
             elif event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
                 self.light_wheeled.emit(WHEEL_STEP**notches)
+            elif self.shows_slice:
+                place = (event.position().x(), event.position().y())
+                size = (self.width(), self.height())
+                self._move_camera(zoomed_at(self.view_camera, WHEEL_STEP**notches, place, size))
             else:
                 self._move_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
         event.accept()
@@ -457,7 +472,9 @@ class Viewport(QtInteractor):
             return Drag.PAN
         if self._places_points:
             return Drag.PLACE
-        return Drag.POINT if self.grab_point(event.position()) else Drag.CURSOR
+        if self.grab_point(event.position()):
+            return Drag.POINT
+        return Drag.TILT if self.grab_knob(event.position()) else Drag.CURSOR
 
     def _place(self, position: QPointF) -> None:
         """A line that is drawn by one drag: its first point lies where the button went down."""

@@ -27,9 +27,10 @@ class StatusLine(QStatusBar):
         self._status_timer.setInterval(UNFINISHED_MS)
         self._status_timer.timeout.connect(self._write_status)
         self.pointer = self._field(
-            "(0000, 0000, 0000)  −00000.00 unit",
-            self.tr("Voxel under the pointer, its value, and its layer or label"),
+            "(000, 000, 000)   −000.0, −000.0, −000.0 mm   −00000 unit",
+            self.tr("Voxel under the pointer, its place in the world and the values there"),
         )
+        self._pointer_tip = self.pointer.toolTip()
         self.drawing = self._field(
             self.tr("Marching tetrahedra, full quality 000 %"), self.tr("Technique, and resolution now shown")
         )
@@ -40,20 +41,28 @@ class StatusLine(QStatusBar):
             self.addWidget(field)
         self.addPermanentWidget(self.volume)
 
-    def show_picked(
-        self, voxel: tuple[int, int, int] | None, value: float | None, unit: str, layer: str = ""
-    ) -> None:
-        """Show the voxel under the pointer, its value, and of several layers or labels which one it is."""
-        if voxel is None or value is None:
+    def show_picked(self, voxel: tuple[int, int, int] | None, place: str = "", values: str = "") -> None:
+        """Show what is under the pointer.
+
+        Parameters
+        ----------
+        voxel : tuple of 3 ints or None
+            Index (i, j, k); None for nothing.
+        place : str
+            Where it lies in the world.
+        values : str
+            Its value, or those of all layers.
+        """
+        if voxel is None:
             self.pointer.setText("")
+            self.pointer.setToolTip(self._pointer_tip)
             return
         i, j, k = voxel
-        words = f"({i}, {j}, {k})   {value:.6g} {unit}".rstrip()
-        if layer:
-            words = self.fontMetrics().elidedText(
-                f"{words}   {layer}", Qt.TextElideMode.ElideRight, self.pointer.width() - 16
-            )
-        self.pointer.setText(words)
+        words = f"({i}, {j}, {k})   {place}   {values}"
+        # whatever has no room is in the tooltip
+        room = self.pointer.width() - 18
+        self.pointer.setText(self.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, room))
+        self.pointer.setToolTip(words)
 
     def show_technique(self, label: str) -> None:
         """Show how the volume is drawn."""

@@ -100,7 +100,7 @@ def make_frame(
         isovalues=shown.isovalues,
         unit_distance=shown.unit_distance_of(shown.volumes[0]),
         camera=jittered_camera(view.camera(), target.size, sequence),
-        light_position=np.array(shown.light_position),
+        light_position=np.array(shown.light_seen_from(view.camera().view)),
         light_color=shown.light.color,
         headlight=shown.light.headlight,
         crop=shown.drawn_crop,

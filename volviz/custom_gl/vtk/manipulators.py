@@ -126,7 +126,8 @@ class Manipulators:
         """Which handles there are now: those that the technique has and whose settings count."""
         names = []
         info = self._owner.technique
-        if "light" in info.manipulators and not self._owner.light.headlight:
+        light = self._owner.light
+        if "light" in info.manipulators and not light.headlight and not light.beside_eye:
             names.append("light")
         if "plane" in info.manipulators and self._plane_counts():
             names.append("plane")

@@ -13,8 +13,14 @@ from volviz.errors import InputError
 from volviz.kernels.marching.lattice import sample_lattice
 from volviz.kernels.marching.passes import Extraction
 from volviz.kernels.marching.surface import clean_mesh, drop_unused_vertices, face_normals
-from volviz.kernels.marching.tables import lorensen_tables, mirrored, tetrahedra_tables, with_hidden_cases
-from volviz.kernels.marching.topology import topological_tables
+from volviz.kernels.marching.tables import (
+    CellTables,
+    lorensen_tables,
+    mirrored,
+    tetrahedra_tables,
+    with_hidden_cases,
+)
+from volviz.kernels.marching.topology import TopologicalTables, topological_tables
 
 Array = npt.NDArray[Any]
 
@@ -96,10 +102,8 @@ def marching_cubes(
     Cancelled
         `cancel` returned True.
     """
-    value = _number(isovalue)
-    name = _OTHER_NAMES.get(str(method), method)
-    if name not in METHODS:
-        raise InputError(f"method is {method!r}; choose one of {', '.join(map(repr, METHODS))}.")
+    value = checked_isovalue(isovalue)
+    name = checked_method(method)
     if normals not in {"gradient", "flat", None}:
         raise InputError(f"normals is {normals!r}; choose 'gradient', 'flat' or None.")
     lattice = sample_lattice(scalars, spacing, origin, direction, stride, bounds)
@@ -109,14 +113,10 @@ def marching_cubes(
         away = lattice.first_position
         lattice = lattice.moved(-away)
     chosen = None if mask is None else _mask(mask, np.shape(scalars))[lattice.choice]
-    threshold = _threshold(lattice.samples.dtype, value)
+    threshold = threshold_of(lattice.samples.dtype, value)
     if threshold is None:
         return _empty(normals)
-    topology = topological_tables() if name == "topological" else None
-    if topology is not None:
-        tables = topology.cells
-    else:
-        tables = lorensen_tables() if name == "lorensen" else tetrahedra_tables()
+    tables, topology = tables_of(name)
     if chosen is not None:
         tables = with_hidden_cases(tables)
     if lattice.is_mirrored:
@@ -160,6 +160,28 @@ def warm_up(dtype: npt.DTypeLike = np.uint8, methods: Sequence[str] = ("lorensen
         marching_cubes(tiny, 0.5, method=method)
 
 
+def checked_method(method: str) -> str:
+    """One of `METHODS`, by any of its names.
+
+    Raises
+    ------
+    InputError
+        It is none of them.
+    """
+    name = _OTHER_NAMES.get(str(method), method)
+    if name not in METHODS:
+        raise InputError(f"method is {method!r}; choose one of {', '.join(map(repr, METHODS))}.")
+    return name
+
+
+def tables_of(method: str) -> tuple[CellTables, TopologicalTables | None]:
+    """The tables of one of `METHODS`, and how it decides ambiguous cells."""
+    if method == "topological":
+        topology = topological_tables()
+        return topology.cells, topology
+    return (lorensen_tables() if method == "lorensen" else tetrahedra_tables()), None
+
+
 def _mask(mask: npt.ArrayLike, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
     array = np.asarray(mask)
     if array.dtype != np.bool_ or array.shape != shape:
@@ -167,7 +189,8 @@ def _mask(mask: npt.ArrayLike, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
     return array
 
 
-def _number(isovalue: Any) -> float:
+def checked_isovalue(isovalue: Any) -> float:
+    """A finite number; anything else is an `InputError`."""
     try:
         value = float(isovalue)
     except (TypeError, ValueError):
@@ -177,7 +200,7 @@ def _number(isovalue: Any) -> float:
     return value
 
 
-def _threshold(dtype: np.dtype[Any], isovalue: float) -> Any:
+def threshold_of(dtype: np.dtype[Any], isovalue: float) -> Any:
     """Lowest value that is inside, in the type that `native_slab` gives; None when all or none are."""
     if dtype.kind == "b":
         dtype = np.dtype(np.uint8)

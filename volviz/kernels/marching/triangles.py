@@ -37,7 +37,10 @@ def _make(lanes: int) -> Callable[..., None]:
         flat = triangles.reshape(triangles.size)
         width = np.uintp(triangles.shape[1])
         cell = np.uintp(0)
-        last = np.uintp(cell_counts[first:stop].sum())
+        # behind the triangles of these planes: those of the next ones are written by another thread
+        limit = np.uintp(faces.size)
+        if stop < triangle_starts.shape[0]:
+            limit = np.uintp(3 * triangle_starts[stop, 0])
         for z in range(first, stop):
             for y in range(cell_counts.shape[1]):
                 cells = cell_counts[z, y]
@@ -56,8 +59,8 @@ def _make(lanes: int) -> Callable[..., None]:
                     count = np.uintp(triangle_count[configuration])
                     end = entry + np.uintp(3) * count
                     after = out + np.uintp(3) * count
-                    if cell < last:
-                        # Two triangles at a time, the second perhaps too much: the next cell overwrites it.
+                    if after + np.uintp(3) <= limit:
+                        # Two triangles at a time, the second perhaps too much: a later cell overwrites it.
                         while entry < end:
                             for i in range(np.uintp(6)):
                                 faces[out + i] = numbers[flat[entry + i]]

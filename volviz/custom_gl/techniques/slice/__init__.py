@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.custom_gl.techniques.slice.oracle import resampled_planes
-from volviz.custom_gl.techniques.slice.planes import facing
+from volviz.custom_gl.techniques.slice.planes import facing, turned
 from volviz.custom_gl.techniques.slice.settings import SliceSettings
 from volviz.custom_gl.techniques.slice.technique import Slice, pick
 
@@ -16,6 +16,7 @@ TECHNIQUE = TechniqueInfo(
     create=Slice,
     pick=pick,
     facing=facing,
+    turned=turned,
     cursor_setting="point",
     inert={
         "normal": "acts with an oblique plane",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +31,13 @@ def upright(normal: Vector) -> Vector:
     """What is up on a plane of that normal: the head, or the front of the patient where one looks along the body."""
     x, y, z = normal
     return (0.0, -1.0, 0.0) if abs(z) > 0.99 * float(np.linalg.norm((x, y, z))) else (0.0, 0.0, 1.0)
+
+
+def turned(settings: Any, turn: Callable[[Vector], Vector]) -> Any:
+    """The settings with an axial, coronal or sagittal plane turned; others lie where they were put."""
+    if settings.plane not in NAMED_PLANES:
+        return settings
+    return replace(settings, plane="oblique", normal=turn(NAMED_PLANES[settings.plane][0]))
 
 
 def facing(settings: Any) -> tuple[Vector, Vector] | None:

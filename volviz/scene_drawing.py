@@ -1,0 +1,99 @@
+"""Pictures of scenes in files, without a window: what a session says is drawn as the window draws it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from volviz.annotations.composition import Composition
+from volviz.annotations.figure import is_vector, write_picture
+from volviz.annotations.planes import subject_of_view
+from volviz.custom_gl.resolve import resolve
+from volviz.custom_gl.scene_techniques import drawn_spec
+from volviz.embedded_session import saving_options
+from volviz.model.picture import Picture
+from volviz.model.render_spec import RenderSpec, View
+from volviz.model.scene import Scene
+from volviz.model.surface_values import DistanceColoring
+from volviz.renderer import Renderer
+from volviz.volume_data.references import VolumeKey
+from volviz.volume_data.volume import Volume
+
+
+def draw_picture(
+    scene: Scene,
+    picture: Picture,
+    volumes: Mapping[VolumeKey, Volume],
+    output: Path,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> Composition:
+    """Draw a picture of a scene at full quality.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a camera in each view that is seen.
+    picture : Picture
+        Which views, how large, with what around them.
+    volumes : mapping from VolumeKey to Volume
+        What the layers show.
+    output : Path
+        The file that it is for: the suffix decides what is drawn as pixels.
+    progress : callable, optional
+        Called with the finished part, 0..1.
+
+    Returns
+    -------
+    Composition
+        Which `write_composition` writes.
+
+    Raises
+    ------
+    VolvizError
+        Unusable values, or no usable OpenGL.
+    """
+    specs = [_spec(scene, part.view, volumes) for part in picture.parts]
+    subjects = [
+        subject_of_view(scene, part.view, resolve(spec, volumes), volumes)
+        for part, spec in zip(picture.parts, specs, strict=True)
+    ]
+    composition = Composition(scene, picture, subjects, is_vector=is_vector(output))
+    with Renderer(picture.parts[0].size) as renderer:
+        for number, (part, spec) in enumerate(zip(picture.parts, specs, strict=True)):
+            view = View(scene.view_at(part.view).camera, part.size)
+            for fraction, tile in renderer.turns(spec, view, volumes):
+                if tile is not None:
+                    composition.take(number, *tile)
+                if progress is not None:
+                    progress((number + fraction) / len(picture.parts))
+    return composition
+
+
+def write_composition(
+    composition: Composition, path: Path, session: Mapping[str, Any] | None = None, *, alpha: bool = False
+) -> None:
+    """Write a picture that has been put together, with the session that it carries, and with alpha in any case.
+
+    Raises
+    ------
+    VolvizError
+        The file cannot be written.
+    """
+    write_picture(
+        path, composition.image(alpha=alpha), composition.shapes, composition.ground, composition.picture.dpi,
+        **saving_options(path, session),
+    )  # fmt: skip
+
+
+def _spec(scene: Scene, view: int, volumes: Mapping[VolumeKey, Volume]) -> RenderSpec:
+    """What a view draws, with distances of surfaces measured."""
+    spec = drawn_spec(scene, view)
+    if not isinstance(spec.surface_colors, DistanceColoring):
+        return spec
+    from volviz.compare.distance_colors import colors_of
+
+    whole = (replace(each, volume=volumes[each.key], channel=None, time=0) for each in spec.layers)
+    return replace(spec, surface_colors=colors_of(replace(spec, layers=tuple(whole))))
