@@ -1,18 +1,18 @@
 // From scalars to colour and opacity: the table of the transfer function and what becomes of its opacities.
 #pragma per_layer
 
-#ifdef TABLE
-// The curves of several layers, straight RGBA over the parts of the range where they change: this one in the rows from
-// TABLE_ROW or TABLE_BASE on.
-uniform float u_table_entry;               // width of an entry = 1 / number of entries in a row
-#else
 // The curve, straight, over the part of the range where it changes: a texel from each entry to the next
-// (`segment_texels` in gpu/context.py).
+// (`segment_texels` in gpu/context.py). Curves of several layers stand in one texture, TABLE, this one in the rows from
+// TABLE_ROW or TABLE_BASE on.
+#ifndef TABLE
+#define TABLE t_segments
+#define TABLE_ROW 0.5
+#define TABLE_BASE 0.0
 uniform isampler2D t_segments;
+#endif
 uniform float u_table_segment;             // width of a segment = 1 / number of segments in a row
 // 1 / 8191, 1 / (8191 * 2^13), 1 / 8191: green is left where it stands in its word.
 const vec3 COLOR_STEPS = vec3(1.2208521548e-4, 1.4902980405e-8, 1.2208521548e-4);
-#endif
 uniform vec2 u_table_map;                  // position in the table, 0..1 = fraction of the data range * x + y
 uniform float u_table_last;                // number of entries - 1
 #if TABLE_FOLDED
@@ -21,40 +21,20 @@ uniform float u_table_row;                 // height of a row: the table goes on
 uniform float u_density_threshold;         // fractions below it are left out
 uniform float u_inverse_unit_distance;     // 1 / length to which opacities of the table belong, per world unit
 
-#if TABLE_FOLDED
-#ifdef TABLE
-// An entry of a table that takes several rows, from 0.
-vec4 table_entry(float i) {
-    float position = (i + 0.5) * u_table_entry;
-    return textureLod(TABLE, vec2(fract(position), (TABLE_BASE + floor(position) + 0.5) * u_table_row), 0.0);
-}
-#endif
-#endif
-
 // Straight RGBA of the curve over the value.
 vec4 curve_color(float s) {
     float x = clamp(s * u_table_map.x + u_table_map.y, 0.0, 1.0) * u_table_last;
     float i = min(floor(x), u_table_last - 1.0);
-#ifdef TABLE
-    // two lookups and a mix: a linear filter would mix the rows
+    vec2 segment = vec2((i + 0.5) * u_table_segment, TABLE_ROW);
 #if TABLE_FOLDED
-    vec4 c = mix(table_entry(i), table_entry(i + 1.0), x - i);
-#else
-    vec2 entry = vec2((i + 0.5) * u_table_entry, TABLE_ROW);
-    vec4 c = mix(textureLod(TABLE, entry, 0.0), textureLod(TABLE, entry + vec2(u_table_entry, 0.0), 0.0), x - i);
+    segment = vec2(fract(segment.x), (TABLE_BASE + floor(segment.x) + 0.5) * u_table_row);
 #endif
-#else
-    vec2 segment = vec2((i + 0.5) * u_table_segment, 0.5);
-#if TABLE_FOLDED
-    segment = vec2(fract(segment.x), (floor(segment.x) + 0.5) * u_table_row);
-#endif
-    ivec4 ends = textureLod(t_segments, segment, 0.0);
+    ivec4 ends = textureLod(TABLE, segment, 0.0);
     ivec2 blues = (ends.xy >> 26) & 63 | (ends.zw & 127) << 6;
     vec3 first = vec3(ends.x & 8191, ends.x & 67100672, blues.x);
     vec3 second = vec3(ends.y & 8191, ends.y & 67100672, blues.y);
     vec2 opacities = intBitsToFloat(ends.zw & ~127);
     vec4 c = vec4(mix(first, second, x - i) * COLOR_STEPS, mix(opacities.x, opacities.y, x - i));
-#endif
     return s < u_density_threshold ? vec4(0.0) : c;
 }
 

@@ -16,7 +16,7 @@
 // border in the segment.
 
 uniform float u_step;                  // world units
-uniform sampler2D t_layer_tables;      // one row for each layer
+uniform isampler2D t_layer_tables;     // curves, one row or more for each layer
 uniform sampler3D t_layer_distances;   // fields of empty space, one above the other
 
 #pragma each_lattice

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Protocol
 
-import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from volviz.custom_gl.gpu.context import Gpu
+from volviz.custom_gl.gpu.context import Gpu, segment_texels
 from volviz.custom_gl.gpu.label_resources import LabelResources
 from volviz.custom_gl.gpu.resources import (
     SLAB_BYTES,
@@ -226,7 +225,7 @@ class LayerResources:
         """What ``glsl/layer_set.glsl`` must know of the layers of a frame."""
         layers = frame.layers
         images = [layer for layer in layers if layer.labels is None]
-        height = rows_of(max(_entries(layers), default=1))
+        height = rows_of(max(_segments(layers), default=1))
         defines: dict[str, object] = {
             "LAYERS": len(images), "LABELS": len(layers) - len(images), "LATTICES": len(self.arrangement.leads),
             "TABLE_FOLDED": height > 1, "MASKED": any(layer.mode != "add" for layer in layers),
@@ -271,7 +270,7 @@ class LayerResources:
             edges = {}
             if layer.labels is None and layer.transfer_function.by_gradient is None:
                 edges = {
-                    "u_table_entry": 1.0 / min(width, MAX_TABLE),
+                    "u_table_segment": 1.0 / min(width, MAX_TABLE),
                     "u_table_row": 1.0 / (sum(one.labels is None for one in frame.layers) * rows_of(width)),
                 }
             found.append(
@@ -293,7 +292,7 @@ class LayerResources:
 
     @staticmethod
     def _table_width(layers: Sequence[LayerFrame]) -> int:
-        return max(_entries(layers), default=1)
+        return max(_segments(layers), default=1)
 
     def bind(self, program: Program, frame: JointFrame) -> None:
         """Bind every texture that a program of several layers asks for."""
@@ -313,18 +312,17 @@ class LayerResources:
         if self._tables is None or self._tables[0] != key:
             width = self._table_width(images)
             height, width = rows_of(width), min(width, MAX_TABLE)
-            rows = np.zeros((len(images), height * width, 4), np.float32)
+            rows = np.zeros((len(images), height * width, 4), np.int32)
             for row, layer in zip(rows, images, strict=True):
                 if layer.transfer_function.by_gradient is None:
-                    texels = baked(layer.transfer_function, layer.volume).texels[0]
-                    row[: len(texels)] = texels
+                    texels = baked(layer.transfer_function, layer.volume).texels
                     if holds_depths(layer):
-                        row[:, 3] = -np.log(
-                            np.maximum(1.0 - row[:, 3].astype(np.float64), LEAST_TRANSPARENCY)
-                        )
-            texture = self.gpu.table_texture(rows.reshape(-1, width, 4))
-            # rows belong to different layers
-            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+                        texels = texels.copy()
+                        passing = 1.0 - texels[..., 3].astype(np.float64)
+                        texels[..., 3] = -np.log(np.maximum(passing, LEAST_TRANSPARENCY))
+                    segments = segment_texels(texels)[0]
+                    row[: len(segments)] = segments
+            texture = self.gpu.segments_texture(rows.reshape(-1, width, 4))
             self._tables = self._instead(self._tables, key, texture)
         return self._tables[1]
 
@@ -406,10 +404,10 @@ class LayerResources:
         self._tables = self._distances = None
 
 
-def _entries(layers: Sequence[LayerFrame]) -> list[int]:
-    """Number of entries of the table of each layer that has one over the value."""
+def _segments(layers: Sequence[LayerFrame]) -> list[int]:
+    """Number of segments of the table of each layer that has one over the value."""
     return [
-        int(layer.uniforms["u_table_last"]) + 1
+        int(layer.uniforms["u_table_last"])
         for layer in layers
         if layer.labels is None and layer.transfer_function.by_gradient is None
     ]

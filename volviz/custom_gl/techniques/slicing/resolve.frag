@@ -1,6 +1,6 @@
 // From what the slices left in the accumulation target to colour, for the layer with the number DRAWN.
 #if LAYERS
-uniform sampler2D t_layer_tables;
+uniform isampler2D t_layer_tables;
 #endif
 #pragma each_layer
 #if LAYER == DRAWN
