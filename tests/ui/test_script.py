@@ -17,6 +17,12 @@ from volviz_ui.session.script import script_of
 FUNCTION = TransferFunction.from_points([(0.0, (0, 0, 0, 0)), (200.0, (1, 1, 1, 0.5))]).with_opacity(0.5)
 
 
+@pytest.fixture(autouse=True)
+def beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where scripts save their picture."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def times_file(tmp_path: Path) -> str:
     """Three time points of 4 x 5 x 6 voxels."""

@@ -71,7 +71,10 @@ def choose(window: MainWindow, distances: str, wait_for: Wait) -> None:
     wait_for(lambda: all(colored(window)[:2]) == (distances != "off") and is_complete(window))
 
 
-def test_copy_as_python_draws_the_colours_of_the_distance(surfaces: MainWindow, wait_for: Wait) -> None:
+def test_copy_as_python_draws_the_colours_of_the_distance(
+    surfaces: MainWindow, wait_for: Wait, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     for distances in ("off", "signed", "absolute"):
         if distances != "off":
             choose(surfaces, distances, wait_for)
