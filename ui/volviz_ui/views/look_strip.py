@@ -9,6 +9,7 @@ from PySide6.QtGui import QEnterEvent, QIcon, QImage, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QToolButton, QWidget
 
 from volviz.model.looks.look import Look
+from volviz_ui.library_words import translated
 
 MARGIN = 12
 #: Width and height of an image: where there is room, and where there is not.
@@ -79,8 +80,8 @@ class LookStrip(QFrame):
         button.setCheckable(True)
         button.setAutoRaise(True)
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        button.setText(look.label)
-        button.setToolTip(look.description)
+        button.setText(translated(look.label))
+        button.setToolTip(translated(look.description))
         button.clicked.connect(lambda: self.chosen.emit(look))
         empty = QPixmap(LARGE)
         empty.fill(Qt.GlobalColor.transparent)
