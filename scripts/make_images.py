@@ -141,7 +141,7 @@ def draw_modes() -> None:
 
 
 def draw_layers() -> None:
-    """Channels of a cell, and an atlas inside a head by three techniques; of files in the folder of test data, where it is there."""
+    """Channels of a cell, and an atlas inside a head by three techniques, of the test data where those are there."""
     folder = Path(os.environ.get("VOLVIZ_TEST_DATA", FOLDER.parents[2] / "shared" / "data"))
     cells, atlas = folder / "xyzct-mitosis.tif", folder / "layers" / "aal.nii.gz"
     if not (cells.exists() and atlas.exists()):
