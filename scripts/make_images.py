@@ -37,7 +37,7 @@ SCENES: dict[str, tuple[str, str | None, dict[str, object]]] = {
     "two_pass_raycast": ("mri-brain", "mri-cortex", {}),
     "isosurface": ("mri-head", None, {"isovalues": (30.0,), "gradient_delta": 1.5}),
     "splatting": ("mri-head", "mri-skin", {}),
-    "half_angle": ("mri-brain", "mri-cortex", {}),
+    "half_angle": ("mri-brain", "mri", {}),
     "bump_mapping": ("mri-head", None, {}),
     "marching_cubes": ("ct-chest", None, {"isovalue": 180.0}),
     "marching_tetrahedra": ("engine", "engine", {"isovalue": 170.0}),
