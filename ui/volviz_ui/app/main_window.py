@@ -422,8 +422,9 @@ class MainWindow(QMainWindow):
         return url.toString() if is_address(url.toString()) else ""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Escape leaves the full screen."""
+        """Escape leaves a presentation and the full screen."""
         if event.key() == Qt.Key.Key_Escape and self.isFullScreen():
+            self.view_commands.set_presentation(False)
             self.view_commands.set_full_screen(False)
         else:
             super().keyPressEvent(event)
