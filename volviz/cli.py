@@ -67,6 +67,7 @@ def make_parser() -> argparse.ArgumentParser:
         measure,
         meshes,
         movies,
+        pyramid,
         reproduce,
     )
 
@@ -78,14 +79,16 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"VolViz {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (images, movies, reproduce, convert, compare, bench, meshes, measure, labels, inspect):
+    for module in (
+        images, movies, reproduce, convert, pyramid, compare, bench, meshes, measure, labels, inspect,
+    ):  # fmt: skip
         module.add_commands(commands)
     return parser
 
 
 COMMANDS = (
-    "render", "movie", "reproduce", "convert", "compare", "bench", "isosurface", "crosscheck", "measure", "labels",
-    "info", "samples", "techniques", "presets", "looks", "doctor",
+    "render", "movie", "reproduce", "convert", "pyramid", "compare", "bench", "isosurface", "crosscheck", "measure",
+    "labels", "info", "samples", "techniques", "presets", "looks", "doctor",
 )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QProgressDialog, QPushButton, QTabBar
 
 from tests.ui.conftest import drawn_image, foreground, image, is_complete
+from volviz.annotations.shapes import Text
 from volviz.cli import main
 from volviz.custom_gl.scene_techniques import choose_technique, current_settings, drawing_techniques
 from volviz.custom_gl.vtk.technique_runner import TechniqueRunner
@@ -255,8 +256,10 @@ def test_the_copied_script_draws_the_same_picture(window: MainWindow, tmp_path: 
     expected = drawn_image(window.store.scene, window.documents.volume, size, transparent=True)
     out = tmp_path / "picture.npy"
     code = script + f"\nimport numpy\nnumpy.save({str(out)!r}, picture)\n"
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120, cwd=tmp_path)
     drawn = np.load(out)
+    with Image.open(tmp_path / "picture.png") as saved:
+        np.testing.assert_array_equal(np.asarray(saved), drawn)
     assert drawn.shape == expected.shape
     assert np.abs(drawn.astype(int) - expected.astype(int)).max() <= 3
 
@@ -442,3 +445,21 @@ def test_an_exported_picture_restores_the_scene_and_is_drawn_again_to_the_bit(
     assert window.session_commands.unsaved.path is None
     assert main(["reproduce", str(path), "-o", str(tmp_path / "again.png")]) == 0
     assert "equal to kept.png to the bit" in capsys.readouterr().out
+
+
+def test_a_presentation_shows_the_picture_alone_and_escape_brings_the_panels_back(
+    window: MainWindow, wait_for: Wait
+) -> None:
+    window.view_commands.show_annotations("bar", True)
+    before = [dock.isVisible() for dock in window.docks.all]
+    size = max(shape.size for shape in window.annotations.overlay.shapes if isinstance(shape, Text))
+    QTest.keyClick(window, Qt.Key.Key_F5)
+    wait_for(window.isFullScreen)
+    assert not any(dock.isVisible() for dock in window.docks.all)
+    assert not window.menuBar().isVisible()
+    assert max(s.size for s in window.annotations.overlay.shapes if isinstance(s, Text)) > 1.5 * size
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    wait_for(lambda: not window.isFullScreen())
+    assert [dock.isVisible() for dock in window.docks.all] == before
+    assert window.menuBar().isVisible()
+    window.view_commands.show_annotations("bar", False)

@@ -12,7 +12,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from tests.ui.conftest import is_complete
+from volviz.model.layer_edits import contrast_of
 from volviz.model.layers import ImageLayer, LabelLayer
+from volviz.model.placement import Placement
 from volviz_ui.app.main_window import MainWindow
 from volviz_ui.session.script import script_of
 
@@ -131,3 +133,62 @@ def test_with_everything_hidden_the_picture_is_empty(window: MainWindow, wait_fo
     QTest.mouseClick(window.data_panel.layers.rows[0].eye, Qt.MouseButton.LeftButton)
     assert picture(window, wait_for).max() == 0.0
     assert window.controller.handle.error is None
+
+
+def test_layers_are_ordered_copied_linked_placed_and_contrasted(
+    window: MainWindow, other_file: str, wait_for: Wait
+) -> None:
+    store, rows = window.store, window.data_panel.layers.rows
+    assert not rows[0].contrast.isVisibleTo(window.data_panel)
+    window.documents.add(other_file)
+    wait_for(lambda: len(store.scene.layers) == 2)
+    before = picture(window, wait_for)
+
+    def choose(row: int, words: str) -> None:
+        rows[row].menu.aboutToShow.emit()
+        (action,) = [each for each in rows[row].menu.actions() if each.text() == words]
+        assert action.isEnabled()
+        action.trigger()
+
+    names = [layer.name for layer in store.scene.layers]
+    choose(0, "Move down")
+    assert [layer.name for layer in store.scene.layers] == names[::-1]
+    # the active layer stays the active one, and the picture what it was
+    assert store.scene.active_layer == 0
+    np.testing.assert_array_equal(picture(window, wait_for), before)
+
+    contrast = rows[1].contrast
+    assert contrast.isVisibleTo(window.data_panel)
+    low, high = contrast_of(store.scene.layers[1])
+    contrast.slider.setValue((100, 500))
+    low, high = contrast_of(store.scene.layers[1])
+    assert (low, high) == pytest.approx((20.0, 100.0), abs=0.2)
+    contrast.auto.click()
+    assert contrast_of(store.scene.layers[1]) != (low, high)
+    contrast.reset.click()
+    assert contrast_of(store.scene.layers[1]) == pytest.approx((0.0, 200.0))
+
+    for row in (0, 1):
+        choose(row, "Link function")
+    contrast.slider.setValue((200, 600))
+    first, second = (layer.transfer_function for layer in store.scene.layers)
+    assert first == second
+    choose(0, "Duplicate")
+    assert len(store.scene.layers) == 3
+    assert store.scene.active_layer == 1
+
+    dialog = rows[0].show_place()
+    dialog.fields[0].setValue(5.0)
+    dialog.fields[5].setValue(90.0)
+    dialog.close()
+    placed = Placement.of(store.scene.layers[0].transform, window.documents.volume.center)
+    np.testing.assert_allclose((placed.move, placed.turn), ((5.0, 0.0, 0.0), (0.0, 0.0, 90.0)), atol=1e-9)
+    assert np.abs(picture(window, wait_for) - before).max() > 0.05
+    dialog = rows[0].show_place()
+    assert dialog.fields[5].value() == pytest.approx(90.0)
+    dialog.reset.click()
+    dialog.close()
+    assert store.scene.layers[0].transform is None
+    choose(2, "Show as labels")
+    assert isinstance(store.scene.layers[2], LabelLayer)
+    assert picture(window, wait_for).max() > 0.0

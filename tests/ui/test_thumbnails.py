@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from volviz.model.transfer.presets import preset, preset_for
+from volviz.volume_data.orientation import direction_of
 from volviz.volume_data.volume import Volume
 from volviz_ui.transfer_editor.thumbnails import ASPECT, SIDE, coarse_copy, drawn, drawn_with, framed
 
@@ -54,6 +55,19 @@ def test_techniques_and_their_settings_change_the_picture(
     weight = np.abs(image - image[0, 0]).sum(axis=-1)
     assert np.average(np.arange(weight.shape[1]), weights=weight.sum(axis=0)) < 0.47 * weight.shape[1]
     assert np.abs(image - drawn(coarse, function, shells)).mean() > 0.003
+
+
+def test_the_copy_faces_as_the_first_view_does_however_the_voxels_lie() -> None:
+    # as many voxels as there are cells
+    values = np.arange(50 * 60 * (SIDE + 1), dtype=np.float32).reshape(50, 60, SIDE + 1)
+    straight = coarse_copy(Volume(values))
+    for code in ("RPS", "LIA", "ASL"):
+        # the same voxels in another order
+        to_index = direction_of(code).T.astype(int)
+        order = [2 - int(np.flatnonzero(to_index[2 - axis])[0]) for axis in range(3)]
+        stored = values.transpose(order)
+        stored = np.flip(stored, [axis for axis in range(3) if to_index[2 - axis].sum() < 0])
+        assert np.array_equal(coarse_copy(Volume(stored, direction=direction_of(code))), straight)
 
 
 def test_an_unknown_technique_has_no_picture_of_its_own(shells: Volume) -> None:

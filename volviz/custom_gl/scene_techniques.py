@@ -11,6 +11,7 @@ import numpy as np
 
 from volviz.custom_gl.registry import technique as technique_info
 from volviz.custom_gl.registry import techniques
+from volviz.custom_gl.settings import common_settings
 from volviz.custom_gl.technique import TechniqueInfo
 from volviz.model.cursor import tilted
 from volviz.model.layers import ImageLayer, Layer
@@ -50,6 +51,12 @@ def current_settings(scene: Scene, view: int | None = None) -> Any:
     """Settings of the technique that draws a view, the active one unless another is named."""
     info = current_technique(scene, view)
     return scene.view_at(view).settings_for(info.id, info.settings)
+
+
+def has_light(scene: Scene, view: int | None = None) -> bool:
+    """Whether a light shapes the picture of a view: by shading, or by shadows."""
+    lit = common_settings(current_settings(scene, view)).shading
+    return lit or "light" in current_technique(scene, view).manipulators
 
 
 def settings_at_cursor(scene: Scene, view: int | None = None) -> Any:

@@ -40,6 +40,9 @@ _COLOURS = (
     Channel("alpha"),
 )  # fmt: skip
 
+#: A sheared lattice becomes at most so many times as large when it is resampled.
+MOST_GROWTH = 8.0
+
 Values = Callable[["LoadRequest"], "npt.NDArray[Any]"]
 
 
@@ -228,6 +231,12 @@ def file_source(
     shear = shear_of(np.asarray(geometry.direction, np.float64).reshape(3, 3))
     if shear > SHEAR_LIMIT and min(dimensions) > 1:
         upright = Rectangular.around(dimensions, geometry)
+        growth = math.prod(upright.dimensions) / math.prod(dimensions)
+        if growth > MOST_GROWTH:
+            raise load.error(
+                f"its axes are sheared by {shear:.1f} degrees, and on a rectangular lattice it would be {growth:.3g} "
+                "times as large; the header is damaged, or it must be resampled first."
+            )
         dimensions, geometry, values = upright.dimensions, upright.geometry, _resampled(values, upright)
         coarser = ()
         load.note(

@@ -77,7 +77,8 @@ def check_sizes(request: LoadRequest, head: bytes, kind: Kind) -> None:
         counts = counts_of(head)
     else:
         extent = re.search(rb"WholeExtent\s*=\s*[\"']([-\d\s]+)[\"']", head)
-        ends = [int(n) for n in extent[1].split()] if extent else []
+        numbers = extent[1].split() if extent else []
+        ends = [int(n) for n in numbers] if all(re.fullmatch(rb"-?\d+", n) for n in numbers) else []
         counts = [high - low + 1 for low, high in zip(ends[::2], ends[1::2], strict=False)]
     if len(counts) != 3 or min(counts) < 1:
         raise request.error("its header gives no size that a volume can have; the file is damaged.")

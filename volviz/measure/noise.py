@@ -12,7 +12,7 @@ _GAIN = 6.0**1.5
 #: Median of the magnitude of a normal distribution, in standard deviations.
 _MEDIAN = 0.6745
 #: Voxels along an axis from which noise is found: what a larger volume holds beyond the middle adds nothing.
-_MOST = 96
+_MOST = 64
 
 
 def noise_of(array: npt.NDArray[Any]) -> float:

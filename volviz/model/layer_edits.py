@@ -2,22 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from volviz.model.layers import Color, ImageLayer, Layer
+from volviz.model.layers import Color, ImageLayer, LabelLayer, Layer, changed_layers
 from volviz.model.scene import Scene
+from volviz.model.time_range import refitted
 from volviz.model.transfer.function import TransferFunction
+from volviz.volume_data.description import Label
 from volviz.volume_data.references import VolumeRef
 
 
 def with_layer_at(scene: Scene, number: int, **changes: Any) -> Scene:
     """The scene with one layer changed."""
-    layers = tuple(
-        replace(layer, **changes) if n == number else layer for n, layer in enumerate(scene.layers)
-    )
-    return replace(scene, layers=layers)
+    return replace(scene, layers=changed_layers(scene.layers, number, **changes))
+
+
+def moved(scene: Scene, number: int, by: int) -> Scene:
+    """The scene with a layer further down (1) or up (-1) in the list; the picture stays the same."""
+    other = number + by
+    if not 0 <= other < len(scene.layers):
+        return scene
+    layers = list(scene.layers)
+    layers[number], layers[other] = layers[other], layers[number]
+    active = {number: other, other: number}.get(scene.active_layer, scene.active_layer)
+    return replace(scene, layers=tuple(layers), active_layer=active)
+
+
+def duplicated(scene: Scene, number: int) -> Scene:
+    """The scene with a layer a second time, after itself; the copy is the active one."""
+    layers = (*scene.layers[: number + 1], *scene.layers[number:])
+    return replace(scene, layers=layers, active_layer=number + 1)
+
+
+def as_labels(scene: Scene, number: int, table: Iterable[Label] = ()) -> Scene:
+    """The scene with an image layer as one of labels, with the names and colours that its file knows."""
+    layer = scene.layers[number]
+    if not isinstance(layer, ImageLayer) or not can_remove(scene, number):
+        return scene
+    labels = LabelLayer(
+        layer.volume,
+        {label.number: label.color for label in table if label.color is not None},
+        {label.number: label.name for label in table if label.name},
+        name=layer.name, channel=layer.channel, time=layer.time, transform=layer.transform, visible=layer.visible,
+    )  # fmt: skip
+    return replace(scene, layers=(*scene.layers[:number], labels, *scene.layers[number + 1 :]))
+
+
+def contrast_of(layer: Layer) -> tuple[float, float] | None:
+    """Values between which the function of an image layer rises, in data units; None where it has none of its own."""
+    if not isinstance(layer, ImageLayer) or layer.transfer_function is None:
+        return None
+    points = layer.transfer_function.points
+    return points[0].value, points[-1].value
+
+
+def with_contrast(scene: Scene, number: int, window: tuple[float, float]) -> Scene:
+    """The scene with the function of a layer stretched between two values."""
+    layer, before = scene.layers[number], contrast_of(scene.layers[number])
+    if before is None or not isinstance(layer, ImageLayer) or layer.transfer_function is None:
+        return scene
+    return with_layer_at(scene, number, transfer_function=refitted(layer.transfer_function, before, window))
 
 
 def can_remove(scene: Scene, number: int) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -62,6 +62,8 @@ class ImageLayer:
         Moves the volume in the world; None leaves it where its file says.
     mode : {"add", "mask", "modulate"}
         How it joins the others: its matter is added, or it decides where or how strongly they are seen.
+    linked : bool
+        In a scene, an edit of its transfer function changes that of all linked layers.
 
     Raises
     ------
@@ -80,6 +82,7 @@ class ImageLayer:
     opacity: float
     transform: Transform | None
     mode: LayerMode
+    linked: bool
 
     def __init__(
         self,
@@ -95,6 +98,7 @@ class ImageLayer:
         transform: npt.ArrayLike | None = None,
         mode: LayerMode = "add",
         visible: bool = True,
+        linked: bool = False,
     ) -> None:
         if transfer_function is not None and not isinstance(transfer_function, TransferFunction):
             raise InputError(
@@ -113,6 +117,7 @@ class ImageLayer:
             color=None if color is None else checked_color(color, "color of a layer"),
             window=None if window is None else _window(window),
             mode=mode,
+            linked=bool(linked),
         )
 
     @property
@@ -237,6 +242,21 @@ def volume_of(layer: Layer, volumes: Mapping[VolumeKey, Volume] = _NOTHING_READ)
     if layer.key not in volumes:
         raise InputError(f"{volume.source} has not been read; draw a layer of a Volume or of volviz.open.")
     return volumes[layer.key]
+
+
+def changed_layers(layers: Sequence[Layer], number: int, **changes: Any) -> tuple[Layer, ...]:
+    """The layers with one of them changed; functions that are linked to its own change with it."""
+    layer = layers[number]
+    shared = {name: changes[name] for name in ("transfer_function", "color", "window") if name in changes}
+    follows = bool(shared) and isinstance(layer, ImageLayer) and layer.linked
+    return tuple(
+        replace(each, **changes)
+        if n == number
+        else replace(each, **shared)
+        if follows and isinstance(each, ImageLayer) and each.linked
+        else each
+        for n, each in enumerate(layers)
+    )
 
 
 def _key(layer: Layer) -> VolumeKey:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from volviz.model.camera import Camera
 from volviz.model.clipping import Clipping
 from volviz.model.comparison import Comparison
-from volviz.model.layers import ImageLayer, LabelLayer
+from volviz.model.layers import ImageLayer, LabelLayer, changed_layers
 from volviz.model.light import Light
 from volviz.model.measurements import Measurement
 from volviz.model.movie import Movie
@@ -156,8 +156,7 @@ class Scene:
         at = self.layer_index
         if changes.get("transfer_function") is not None:
             changes = {"color": None, "window": None, **changes}
-        changed = tuple(replace(each, **changes) if n == at else each for n, each in enumerate(self.layers))
-        return replace(self, layers=changed)
+        return self if at is None else replace(self, layers=changed_layers(self.layers, at, **changes))
 
     def with_active_layer(self, number: int) -> Scene:
         """The scene whose panels act on another layer."""

@@ -304,3 +304,17 @@ def test_a_file_of_random_bytes_behind_a_dicom_mark_is_refused_in_words(tmp_path
         (tmp_path / "fake.dcm").write_bytes(bytes(128) + b"DICM" + noise)
         with pytest.raises(LoadError, match=r"^fake\.dcm: "):
             load(tmp_path / "fake.dcm")
+
+
+def test_a_folder_of_files_that_are_all_cut_off_and_a_flat_slide_are_refused_in_true_words(tmp_path):
+    for n in range(2):
+        path = dicom_slice(tmp_path / f"{n}.dcm", scalars((4, 5)), (0, 0, n))
+        path.write_bytes(path.read_bytes()[:-9])
+    with pytest.raises(LoadError, match="all of its images are cut off"):
+        load(tmp_path)
+    slide = tmp_path / "slide.dcm"
+    dicom_slice(
+        slide, scalars((3, 4, 5)), (0, 0, 0), SOPClassUID="1.2.840.10008.5.1.4.1.1.77.1.6", NumberOfFrames=3
+    )
+    with pytest.raises(LoadError, match="one flat image in tiles"):
+        load(slide)

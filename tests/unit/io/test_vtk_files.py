@@ -219,3 +219,20 @@ def test_pieces_are_one_volume_and_a_missing_one_is_named(tmp_path, kind):
     pieces[1].unlink()
     with pytest.raises(LoadError, match=rf"piece {pieces[1].name} is not there"):
         load(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('WholeExtent="0 5 0 4 0 3"', 'WholeExtent="0 5 0 4-0 3"', "no size that a volume can have"),
+        ('Direction="1 0 0 0 1 0 0 0 1"', 'Direction="1 0 0 99999999999 1 0 0 0 1"', "times as large"),
+    ],
+)
+def test_numbers_of_a_damaged_header_end_in_a_sentence(tmp_path, old, new, words):
+    path = tmp_path / "v.vti"
+    grid(density=scalars(SHAPE)).save(path)
+    content = path.read_bytes()
+    assert old.encode() in content
+    path.write_bytes(content.replace(old.encode(), new.encode()))
+    with pytest.raises(LoadError, match=words):
+        load(path)

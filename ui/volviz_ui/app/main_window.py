@@ -40,6 +40,7 @@ from volviz_ui.compare.panel import ComparePanel
 from volviz_ui.compare.reports import Reports
 from volviz_ui.compare.surface_distances import SurfaceDistances
 from volviz_ui.labels.panel import LabelPanel
+from volviz_ui.library_words import translated
 from volviz_ui.measuring.panel import MeasurementsPanel
 from volviz_ui.measuring.tool import MeasureTool
 from volviz_ui.movie.maker import MovieMaker
@@ -349,7 +350,7 @@ class MainWindow(QMainWindow):
         self.transfer_editor.set_two_dimensional_available(not why_not, why_not)
 
     def _show_technique(self, _technique: str) -> None:
-        label = current_technique(self.documents.shown.scene).label
+        label = translated(current_technique(self.documents.shown.scene).label)
         self.messages.status_line.show_technique(label)
 
     def _on_status_changed(self, view: int, status: Any) -> None:
@@ -421,8 +422,9 @@ class MainWindow(QMainWindow):
         return url.toString() if is_address(url.toString()) else ""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Escape leaves the full screen."""
+        """Escape leaves a presentation and the full screen."""
         if event.key() == Qt.Key.Key_Escape and self.isFullScreen():
+            self.view_commands.set_presentation(False)
             self.view_commands.set_full_screen(False)
         else:
             super().keyPressEvent(event)

@@ -23,6 +23,7 @@ from volviz.model.view_edits import (
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, State
 from volviz_ui.commands.view import panel_command
+from volviz_ui.library_words import translated
 from volviz_ui.views.fitting import fitted
 
 
@@ -137,7 +138,9 @@ class CompareCommands(QObject):
         info = current_technique(self._store.scene)
         other = next((c for c in counterparts() if info.id in c.counterpart_of), None)
         if other is None:
-            self._context.messages.show_status(self.tr("VTK has nothing like %1").replace("%1", info.label))
+            self._context.messages.show_status(
+                self.tr("VTK has nothing like %1").replace("%1", translated(info.label))
+            )
             return
         self._context.docks.show("compare")
         self._change_views(

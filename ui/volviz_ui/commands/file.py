@@ -23,6 +23,7 @@ from volviz_ui.dialogs.open_address import OpenAddressDialog
 from volviz_ui.dialogs.raw_import import RawImportDialog, is_raw, says_all
 from volviz_ui.dialogs.save_volume import SaveVolumeDialog
 from volviz_ui.dialogs.understood import CORRECTED, UnderstoodDialog
+from volviz_ui.library_words import translated
 from volviz_ui.session.mesh_summary import shows_mesh
 from volviz_ui.session.opening import SeveralImages, title_of
 
@@ -134,8 +135,8 @@ class FileCommands(QObject):
 
         return [
             Command(
-                f"file.sample.{sample.id}", _literal(sample.label), f"{sample.description}\n{sample.licence}",
-                partial(self._open, SAMPLE_PREFIX + sample.id),
+                f"file.sample.{sample.id}", _literal(translated(sample.label)),
+                f"{translated(sample.description)}\n{sample.licence}", partial(self._open, SAMPLE_PREFIX + sample.id),
             )
             for sample in samples()
         ]  # fmt: skip

@@ -16,6 +16,7 @@ from volviz.model.transfer.presets import Preset
 from volviz.volume_data.volume import Volume
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu, State
+from volviz_ui.library_words import translated
 from volviz_ui.session.loaded_scene import LoadedScene, volume_of
 from volviz_ui.transfer_editor.preset_popup import ThumbnailProvider
 from volviz_ui.views.look_strip import LookStrip
@@ -85,7 +86,7 @@ class LookCommands(QObject):
 
     def take(self, look: Look) -> None:
         """Show the volume with a look; a step of the history. A view that nobody has turned is framed anew."""
-        label = self.tr("Look: %1").replace("%1", look.label)
+        label = self.tr("Look: %1").replace("%1", translated(look.label))
         documents, store = self._context.documents, self._context.store
         controller = self._context.views.first.controller
         camera, first = store.scene.view_at(0).camera, controller.first_camera(documents.shown)

@@ -22,6 +22,9 @@ from volviz_ui.commands.view import ViewCommands
 from volviz_ui.measuring.panel import MeasurementsPanel, volumes_of
 from volviz_ui.measuring.tool import MeasureTool
 
+#: What to do next is told so long; then the line tells again what is under the pointer.
+HINT_MS = 6000
+
 
 class MeasureCommands(QObject):
     """Takes up tools, exports, and looks at single measurements."""
@@ -118,7 +121,7 @@ class MeasureCommands(QObject):
             beside.write_text(text, encoding="utf-8")
 
     def _hint(self, words: str) -> None:
-        self._context.messages.show_status(words, 0)
+        self._context.messages.show_status(words, HINT_MS)
 
     def _on_finished(self, number: int) -> None:
         self._context.docks.show("measurements")

@@ -8,6 +8,7 @@ from PySide6.QtCore import QObject
 
 from volviz.model.transfer.presets import presets
 from volviz_ui.commands.command import Command, Menu, has_volume
+from volviz_ui.library_words import translated
 from volviz_ui.transfer_editor import TransferEditor
 
 
@@ -29,7 +30,8 @@ class PresetsOfFunction(QObject):
         named += [(f"preset.{name}", preset) for name, preset in presets().items()]
         return [
             Command(
-                ident, preset.label.replace("&", "&&"), preset.description or preset.label, partial(take, preset),
+                ident, translated(preset.label).replace("&", "&&"), translated(preset.description or preset.label),
+                partial(take, preset),
                 enabled=has_volume,
             )
             for ident, preset in named

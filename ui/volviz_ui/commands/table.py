@@ -61,6 +61,8 @@ class CommandTable(QObject):
         shown |= {f"panel.{name}" for name in context.docks.names if context.docks[name].is_open}
         if context.window.isFullScreen():
             shown.add("full_screen")
+        if context.views.is_presented:
+            shown.add("presentation")
         if context.player.is_playing:
             shown.add("playing")
         if context.tool.kind is not None:

@@ -21,6 +21,7 @@ from volviz.model.parameters import Parameter
 from volviz.model.scene import Scene
 from volviz_ui.app_context import AppContext
 from volviz_ui.commands.command import Command, Menu
+from volviz_ui.library_words import translated
 
 FACTOR = 1.25
 """How much one press of + or - changes the number of slices, or the step."""
@@ -64,7 +65,8 @@ class TechniqueCommands(QObject):
 
     def _choice(self, number: int | None, info: TechniqueInfo) -> Command:
         return Command(
-            f"technique.use.{info.id}", info.label, info.summary, partial(choose_technique, self._store, info.id),
+            f"technique.use.{info.id}", translated(info.label), translated(info.summary),
+            partial(choose_technique, self._store, info.id),
             keys=(str(number),) if number is not None and number <= 9 else (), group="technique",
             checked=lambda state: current_technique(state.scene).id == info.id,
         )  # fmt: skip

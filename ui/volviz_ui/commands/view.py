@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QByteArray, QObject, Qt, Signal
 from PySide6.QtGui import QColor, QKeySequence
+from PySide6.QtWidgets import QToolBar
 
 from volviz.custom_gl.scene_techniques import with_slices, without_slices
 from volviz.model.camera import Camera
@@ -42,6 +43,7 @@ class ViewCommands(QObject):
     def __init__(self, context: AppContext, looks: LookCommands, time: TimeCommands) -> None:
         super().__init__(context.window)
         self._context = context
+        self._before_presentation: tuple[QByteArray, bool] | None = None
         self._looks = looks
         self._time = time
 
@@ -94,6 +96,11 @@ class ViewCommands(QObject):
                             "view.reset_layout", tr("Reset la&yout"), tr("All panels back to their places"), docks.reset
                         ),
                     ],
+                ),
+                Command(
+                    "view.presentation", tr("Presentati&on"),
+                    tr("The picture alone on the whole screen, with larger letters; Escape ends it"),
+                    self.set_presentation, keys=("F5",), checked=lambda state: "presentation" in state.shown,
                 ),
                 Command(
                     "view.full_screen", tr("&Full screen"), tr("Use the whole screen"), self.set_full_screen,
@@ -259,6 +266,27 @@ class ViewCommands(QObject):
         self._context.preferences.quality = quality
         self._context.views.quality = quality
         self.quality_changed.emit(quality)
+
+    def set_presentation(self, on: bool) -> None:
+        """The picture alone on the whole screen, or the window with its panels again."""
+        window, docks = self._context.window, self._context.docks
+        if on == self._context.views.is_presented:
+            return
+        around = [window.menuBar(), window.statusBar(), *window.findChildren(QToolBar)]
+        if on:
+            self._before_presentation = (docks.state(), window.isFullScreen())
+            for part in (*docks.all, *around):
+                part.hide()
+        self._context.views.is_presented = on
+        if not on and self._before_presentation is not None:
+            state, was_full = self._before_presentation
+            for part in around:
+                part.show()
+            docks.restore(state)
+            self.set_full_screen(was_full)
+            self._before_presentation = None
+        elif on:
+            self.set_full_screen(True)
 
     def set_full_screen(self, on: bool) -> None:
         """Use the whole screen, or the window again."""

@@ -14,6 +14,7 @@ from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.compare.frame_timing import FrameTiming
 from volviz_ui.compare.metrics import MeasuredView, MeshCache, PairMetrics, pair_metrics
+from volviz_ui.library_words import translated
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.workers import Task, Workers
@@ -201,7 +202,7 @@ class Measurements(QObject):
         if self.metrics is None:
             self.state_changed.emit("")
         first, second = (current_technique(scene, view_widget.view) for view_widget in pair)
-        self.names_changed.emit(first.label, second.label)
+        self.names_changed.emit(translated(first.label), translated(second.label))
         self.differences_found.emit(setting_differences(scene, pair[0].view, pair[1].view))
 
     def close(self) -> None:

@@ -20,6 +20,7 @@ from volviz_ui.editors.simple import (
     TextEditor,
     VectorEditor,
 )
+from volviz_ui.library_words import translated_parameter
 
 __all__ = ["Editor", "editor_for"]
 
@@ -38,6 +39,7 @@ _EDITORS: dict[str, type[Editor]] = {
 
 def editor_for(parameter: Parameter, parent: QWidget | None = None) -> Editor:
     """The widget that edits a setting; kinds without a special one are written as text."""
+    parameter = translated_parameter(parameter)
     kind = _EDITORS.get(parameter.kind, TextEditor)
     if not parameter.optional or kind in (TextEditor, PathEditor):
         return kind(parameter, parent)

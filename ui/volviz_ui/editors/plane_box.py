@@ -11,6 +11,7 @@ from volviz.custom_gl.scene_techniques import change_setting, current_settings, 
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.library_words import translated_parameter
 from volviz_ui.widgets.binding import show_value
 
 DOT = 12
@@ -32,7 +33,7 @@ class PlaneBox(NoWheelComboBox):
         self._store = store
         self._view = view
         self._parameter = next(p for p in slice_technique().parameters if p.name == "plane")
-        for plane, words in self._parameter.choices:
+        for plane, words in translated_parameter(self._parameter).choices:
             if plane in PLANE_COLORS:
                 self.addItem(_dot(PLANE_COLORS[plane]), words, plane)
         self.setAccessibleName(self.tr("Plane of view %1").replace("%1", str(view + 1)))

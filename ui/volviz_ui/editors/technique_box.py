@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem,
 from volviz.custom_gl.scene_techniques import choose_technique, counterparts, drawing_techniques
 from volviz.model.store import Store
 from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.library_words import translated
 from volviz_ui.widgets.binding import show_value
 
 SUMMARY = Qt.ItemDataRole.UserRole + 1
@@ -61,11 +62,10 @@ class TechniqueBox(NoWheelComboBox):
         self.setAccessibleName(self.tr("Technique"))
         for number, info in enumerate([*drawing_techniques(), *counterparts()], start=1):
             key = f"  ({number})" if number <= 9 else ""
-            self.addItem(info.label, info.id)
-            self.setItemData(self.count() - 1, info.summary, SUMMARY)
-            self.setItemData(
-                self.count() - 1, f"<p>{info.summary}</p><p>{info.id}{key}</p>", Qt.ItemDataRole.ToolTipRole
-            )
+            summary = translated(info.summary)
+            self.addItem(translated(info.label), info.id)
+            self.setItemData(self.count() - 1, summary, SUMMARY)
+            self.setItemData(self.count() - 1, f"{summary}{key}", Qt.ItemDataRole.ToolTipRole)
         self.setToolTip(self.tr("How the volume is drawn (keys 1 to 9)"))
         self._store = store
         self._view = view

@@ -5,43 +5,20 @@ from __future__ import annotations
 import dataclasses
 
 from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QHideEvent, QKeyEvent, QPalette
+from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSpinBox, QWidget
-from superqt import QRangeSlider
 
 from volviz.model.clipping import Crop
 from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.volume_data.volume import Volume
+from volviz_ui.panels.range_slider import RangeSlider, color_bar
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene, volume_of
 from volviz_ui.style.theme import is_palette_change
 from volviz_ui.widgets.binding import send_gesture, send_value, show_value
 
 GESTURE = "crop box"
-
-
-class RangeSlider(QRangeSlider):
-    """A range that the arrows move as well: its lower end, with Shift its upper one."""
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Left and right by one step, page keys by a tenth."""
-        step = {
-            Qt.Key.Key_Left: -1,
-            Qt.Key.Key_Right: 1,
-            Qt.Key.Key_PageDown: -max(1, self.maximum() // 10),
-            Qt.Key.Key_PageUp: max(1, self.maximum() // 10),
-        }.get(Qt.Key(event.key()))
-        if step is None:
-            super().keyPressEvent(event)
-            return
-        low, high = self.value()
-        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
-            high = min(max(high + step, low + 1), self.maximum())
-        else:
-            low = max(min(low + step, high - 1), self.minimum())
-        self.setValue((low, high))
-        event.accept()
 
 
 class CropBox(QWidget):
@@ -53,7 +30,7 @@ class CropBox(QWidget):
         super().__init__(parent)
         self._store = store
         self._documents = documents
-        self.sliders: list[QRangeSlider] = []
+        self.sliders: list[RangeSlider] = []
         self._dimensions: tuple[int, int, int] | None = None
         self.fields: list[tuple[QSpinBox, QSpinBox]] = []
         grid = QGridLayout(self)
@@ -65,7 +42,7 @@ class CropBox(QWidget):
             slider = RangeSlider(Qt.Orientation.Horizontal, self)
             slider.setMinimumWidth(56)
             slider.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-            _color_bar(slider)
+            color_bar(slider)
             slider.setToolTip(tooltip)
             slider.setAccessibleName(tooltip)
             low, high = QSpinBox(self), QSpinBox(self)
@@ -108,7 +85,7 @@ class CropBox(QWidget):
         super().changeEvent(event)
         if is_palette_change(event):
             for slider in self.sliders:
-                _color_bar(slider)
+                color_bar(slider)
 
     def _show_volume(self, volume: Volume | None) -> None:
         self._dimensions = None if volume is None else volume.dimensions
@@ -178,14 +155,6 @@ class CropBox(QWidget):
             limits += [float(first), float(max(high, first + 1))]
         full = [v for n in self._dimensions for v in (0.0, float(n - 1))]
         self.crop_changed.emit(None if limits == full else tuple(limits))
-
-
-def _color_bar(slider: QRangeSlider) -> None:
-    # superqt brings a blue of its own, and its property knows the active window only
-    accent = slider.palette().color(QPalette.ColorRole.Highlight).name()
-    style = slider._style  # noqa: SLF001
-    style.brush_active = style.brush_inactive = accent
-    slider.update()
 
 
 def _crop_of(shown: LoadedScene) -> Crop | None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QAction, QColor
 from PySide6.QtWidgets import (
     QApplication,
     QHBoxLayout,
+    QMenu,
     QSizePolicy,
     QSlider,
     QToolButton,
@@ -18,7 +20,10 @@ from PySide6.QtWidgets import (
 
 from volviz.custom_gl.scene_techniques import current_technique
 from volviz.model.layer_edits import (
+    as_labels,
     can_remove,
+    duplicated,
+    moved,
     recolored,
     shown_color,
     with_layer_at,
@@ -28,7 +33,9 @@ from volviz.model.layer_edits import (
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.scene import Scene
 from volviz.model.store import Store
+from volviz_ui.dialogs.place_layer import PlaceLayerDialog
 from volviz_ui.editors.simple import ColorButton, chosen_color
+from volviz_ui.panels.contrast import ContrastSlider
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import LoadedScene, words_on_layers
 from volviz_ui.session.opening import has_channels
@@ -57,9 +64,11 @@ class LayerRow(QWidget):
 
     labels_requested = Signal(int)
 
-    def __init__(self, store: Store, number: int, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, store: Store, documents: Documents, number: int, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
-        self._store, self._number = store, number
+        self._store, self._documents, self._number = store, documents, number
         self.eye = small_button("eye", self.tr("Show or hide this layer; with Alt, show it alone"), self)
         self.eye.setCheckable(True)
         self.eye.clicked.connect(self._on_eye)
@@ -86,20 +95,30 @@ class LayerRow(QWidget):
         self.opacity.valueChanged.connect(self._on_opacity)
         self.remove = small_button("x", self.tr("Remove this layer"), self)
         self.remove.clicked.connect(self._on_remove)
-        row = QHBoxLayout(self)
+        self.more = small_button("dots-three-vertical", self.tr("Order, place, copies of this layer"), self)
+        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.more.setStyleSheet("QToolButton::menu-indicator { image: none; }")
+        self.menu = QMenu(self)
+        self.menu.setToolTipsVisible(True)
+        self.menu.aboutToShow.connect(self._fill_menu)
+        self.more.setMenu(self.menu)
+        row = QHBoxLayout()
         row.setContentsMargins(0, 0, 0, 0)
         row.setSpacing(4)
         for widget, stretch in (
-            (self.eye, 0),
-            (self.color, 0),
-            (self.name, 1),
-            (self.opacity, 0),
-            (self.remove, 0),
-        ):
+            (self.eye, 0), (self.color, 0), (self.name, 1), (self.opacity, 0), (self.more, 0), (self.remove, 0),
+        ):  # fmt: skip
             row.addWidget(widget, stretch)
+        self.contrast = ContrastSlider(store, documents, number, self)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addLayout(row)
+        column.addWidget(self.contrast)
 
-    def show_layer(self, layer: Layer, *, is_active: bool, removable: bool) -> None:
-        """Show the values of a layer."""
+    def show_layer(self, layer: Layer, *, is_active: bool, removable: bool, several: bool) -> None:
+        """Show the values of a layer; one of several has its contrast here."""
+        self.contrast.show_layer(layer if several else None)
         self.eye.setChecked(layer.visible)
         set_icon(self.eye, "eye" if layer.visible else "eye-slash", "quiet")
         color = shown_color(layer)
@@ -162,6 +181,66 @@ class LayerRow(QWidget):
             label=self.tr("Opacity of the layer"),
             gesture=GESTURE if self.opacity.isSliderDown() else None,
         )
+
+    def _fill_menu(self) -> None:
+        self.menu.clear()
+        tr, number, scene = self.tr, self._number, self._store.scene
+        layer = scene.layers[number]
+        volume = self._documents.shown.volumes.get(layer.key)
+
+        def entry(words: str, tip: str, change: Callable[[Scene], Scene], *, enabled: bool = True) -> QAction:
+            action = self.menu.addAction(words, lambda: self._store.update(change, label=words))
+            action.setToolTip(tip)
+            action.setEnabled(enabled)
+            return action
+
+        order = tr("The order in the list; the picture stays the same")
+        entry(tr("Move up"), order, lambda scene: moved(scene, number, -1), enabled=number > 0)
+        entry(
+            tr("Move down"),
+            order,
+            lambda scene: moved(scene, number, 1),
+            enabled=number < len(scene.layers) - 1,
+        )
+        entry(tr("Duplicate"), tr("The same data once more, to look at it in another way"),
+              lambda scene: duplicated(scene, number))  # fmt: skip
+        entry(
+            tr("Show alone"),
+            tr("Hide the other layers, or show them again"),
+            lambda scene: with_only(scene, number),
+        )
+        self.menu.addSeparator()
+        place = self.menu.addAction(tr("Place…"), self.show_place)
+        place.setToolTip(tr("Move and turn the layer, to register it with another one"))
+        place.setEnabled(volume is not None)
+        if isinstance(layer, ImageLayer):
+            linked = entry(
+                tr("Link function"), tr("All linked layers get the same colours and opacities"),
+                lambda scene: with_layer_at(scene, number, linked=not layer.linked),
+            )  # fmt: skip
+            linked.setCheckable(True)
+            linked.setChecked(layer.linked)
+            whole = volume is not None and volume.array.dtype.kind in "iu"
+            source = self._documents.source_of(layer.key.ref)
+            table = () if source is None else source.labels
+            entry(
+                tr("Show as labels"), tr("Each whole number is a label with a surface of its own"),
+                lambda scene: as_labels(scene, number, table), enabled=whole and can_remove(scene, number),
+            )  # fmt: skip
+
+    def show_place(self) -> PlaceLayerDialog | None:
+        """Let the layer be moved and turned."""
+        layer = self._store.scene.layers[self._number]
+        volume = self._documents.shown.volumes.get(layer.key)
+        if volume is None:
+            return None
+        dialog = PlaceLayerDialog(layer.name or volume.name, volume, layer.transform, self.window())
+        dialog.transform_changed.connect(
+            lambda transform: self._change(self.tr("Place of the layer"), transform=transform)
+        )
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
 
     def _on_remove(self) -> None:
         number = self._number
@@ -226,13 +305,18 @@ class LayerList(QWidget):
             row.hide()
             row.deleteLater()
         while len(self.rows) < len(layers):
-            row = LayerRow(self._store, len(self.rows), self)
+            row = LayerRow(self._store, self._documents, len(self.rows), self)
             row.labels_requested.connect(self.labels_requested)
             self.column.insertWidget(len(self.rows), row)
             self.rows.append(row)
         scene = self._store.scene
         for number, (row, layer) in enumerate(zip(self.rows, layers, strict=True)):
-            row.show_layer(layer, is_active=number == active, removable=can_remove(scene, number))
+            row.show_layer(
+                layer,
+                is_active=number == active,
+                removable=can_remove(scene, number),
+                several=len(layers) > 1,
+            )
         self.words.setText(words)
         self.words.setVisible(bool(words))
         self.add_button.setEnabled(bool(layers))

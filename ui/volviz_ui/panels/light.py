@@ -15,6 +15,7 @@ from volviz.model.store import Store
 from volviz.volume_data.volume import Volume
 from volviz_ui.editors import Editor, editor_for
 from volviz_ui.editors.optional import OptionalEditor
+from volviz_ui.library_words import translated_parameter
 from volviz_ui.panels.panel import Section
 from volviz_ui.panels.settings_form import LABEL_WIDTH
 from volviz_ui.session.documents import Documents
@@ -40,7 +41,7 @@ class LightSection(Section):
         self._words: dict[str, QLabel] = {}
         described = {p.name: p for p in parameters_of(SharedSettings)}
         for name, field in _FIELDS.items():
-            parameter = described[name]
+            parameter = translated_parameter(described[name])
             editor = editor_for(parameter)
             self._words[field] = self.add_row(
                 parameter.label, editor, wide=editor.wide, tooltip=editor.toolTip()

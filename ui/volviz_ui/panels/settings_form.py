@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QLabel, QToolButton, QVBoxLayout, QWidget
 
 from volviz.custom_gl.technique import TechniqueInfo
@@ -17,6 +17,7 @@ from volviz.volume_data.volume import Volume
 from volviz_ui.editors import Editor, editor_for
 from volviz_ui.editors.base import tooltip_of
 from volviz_ui.editors.optional import OptionalEditor
+from volviz_ui.library_words import translated_parameter
 from volviz_ui.panels.panel import Section
 from volviz_ui.widgets.small import small_button
 
@@ -61,6 +62,17 @@ class SettingsForm(QWidget):
         self._column.setSpacing(4)
         self._parameters = parameters_for(info, volume)
         self._is_open = is_open
+        self._groups: dict[str, str] = {}
+        self.more = QToolButton(self)
+        self.more.setCheckable(True)
+        self.more.setAutoRaise(True)
+        self.more.setToolTip(
+            self.tr("Settings that act only together with others, or in another mode of this technique")
+        )
+        self.more.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.more.toggled.connect(self._show_rows)
+        self.more.hide()
+        self._column.addWidget(self.more)
 
     @property
     def is_whole(self) -> bool:
@@ -79,7 +91,7 @@ class SettingsForm(QWidget):
         debug_view = self.sections.get(self._debug_view())
         if debug_view is not None:
             self._column.removeWidget(debug_view)
-            self._column.addWidget(debug_view)
+            self._column.insertWidget(self._column.count() - 1, debug_view)
 
     def fits(self, volume: Volume | None) -> bool:
         """Whether a form for that volume would have the same ranges and units."""
@@ -101,6 +113,27 @@ class SettingsForm(QWidget):
             enabled = acts(editor.parameter, settings)
             editor.setEnabled(enabled)
             self._rows[name][0].setEnabled(enabled)
+        self._show_rows()
+
+    def _show_rows(self) -> None:
+        """Hide settings that have no effect at present, unless they are asked for."""
+        idle = {name for name, editor in self.editors.items() if not editor.isEnabled()}
+        for name, editor in self.editors.items():
+            words, reset = self._rows[name]
+            shown = name not in idle or self.more.isChecked()
+            for part in (words, editor):
+                part.setVisible(shown)
+            keeps_place = reset.sizePolicy()
+            keeps_place.setRetainSizeWhenHidden(shown)
+            reset.setSizePolicy(keeps_place)
+            if not shown:
+                reset.hide()
+        for group, section in self.sections.items():
+            names = {name for name, editor in self.editors.items() if self._groups[name] == group}
+            section.setVisible(bool(names - idle) or self.more.isChecked())
+        self.more.setVisible(bool(idle))
+        count = self.tr("%1 more, without effect now").replace("%1", str(len(idle)))
+        self.more.setText(self.tr("Hide what has no effect") if self.more.isChecked() else count)
 
     def show_automatic(self, values: dict[str, Any]) -> None:
         """Say what "automatic" stands for at present, by the name of the setting."""
@@ -113,6 +146,7 @@ class SettingsForm(QWidget):
         return self.tr("How it works")
 
     def _add(self, parameter: Parameter, is_open: Callable[[str], bool]) -> None:
+        parameter = translated_parameter(parameter)
         group = self._debug_view() if parameter.name == "display" else parameter.group or self.tr("Settings")
         section = self.sections.get(group)
         if section is None:
@@ -120,7 +154,7 @@ class SettingsForm(QWidget):
             section.rows.setColumnMinimumWidth(0, LABEL_WIDTH)
             section.folded.connect(self.section_folded)
             self.sections[group] = section
-            self._column.addWidget(section)
+            self._column.insertWidget(self._column.count() - 1, section)
         editor = editor_for(parameter)
         name = parameter.name
         reset = small_button("arrow-counter-clockwise", self.tr("Back to the default"))
@@ -134,7 +168,7 @@ class SettingsForm(QWidget):
         words = section.add_row(
             parameter.label, editor, tail=reset, wide=editor.wide, tooltip=tooltip_of(parameter)
         )
-        self.editors[name] = editor
+        self.editors[name], self._groups[name] = editor, group
         self._rows[name] = (words, reset)
 
 

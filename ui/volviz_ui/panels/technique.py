@@ -19,6 +19,7 @@ from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.store import Store
 from volviz.volume_data.volume import Volume
 from volviz_ui.editors.technique_box import TechniqueBox
+from volviz_ui.library_words import translated
 from volviz_ui.panels.form_cache import FormCache
 from volviz_ui.panels.light import LightSection
 from volviz_ui.panels.mesh_section import MeshSection
@@ -117,7 +118,7 @@ class TechniquePanel(Panel):
 
     def _show_form(self) -> None:
         info = current_technique(self._documents.shown.scene)
-        self.summary.setText(info.summary)
+        self.summary.setText(translated(info.summary))
         old, form = self.form, self.forms.form(info)
         form.fold(self._is_open)
         form.show_settings(current_settings(self._documents.shown.scene))

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from volviz.custom_gl.registry import techniques
 from volviz.ray_inspection import RayInspection
+from volviz_ui.library_words import translated
 
 Translate = Callable[[str], str]
 
@@ -41,7 +42,7 @@ def notes(found: RayInspection, tr: Translate) -> list[str]:
     said = []
     if not found.exact:
         known = techniques()
-        label = known[found.technique].label if found.technique in known else found.technique
+        label = translated(known[found.technique].label) if found.technique in known else found.technique
         text = tr("%1 does not gather samples like this; shown is what ray casting would gather.")
         if found.crossings:
             first = found.crossings[0]

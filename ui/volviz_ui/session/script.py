@@ -65,13 +65,15 @@ def script_of(scene: Scene, size: tuple[int, int]) -> str:
     if layer.transfer_function is not None and not as_layer:
         lines += ["    transfer_function=transfer_function,"]
     lines += [f"    size={size},"]
+    if scene.background is not None:
+        lines += [f"    background={_tuple(scene.background)},"]
     if scene.view.camera is not None:
         lines += [f"    camera={_camera(scene.view.camera)},"]
     lines += _light(scene.light, info) + _clipping(scene.clipping)
     lines += [f"    {setting}," for setting in _settings(info, settings_at_cursor(scene))]
     if coloring is not None:
         lines += ["    surface_colors=surface_colors,"]
-    lines += [")", ""]
+    lines += [")", "", "from PIL import Image", "", 'Image.fromarray(picture).save("picture.png")', ""]
     return "\n".join(lines)
 
 

@@ -23,6 +23,7 @@ from volviz.model.transfer.function import TransferFunction
 from volviz.model.transfer.function_2d import TransferFunction2D
 from volviz.model.transfer.own_presets import OwnPresets
 from volviz.model.transfer.presets import Preset, preset_for, presets
+from volviz_ui.library_words import translated
 from volviz_ui.session.loaded_scene import volume_of
 from volviz_ui.style.icons import set_icon
 from volviz_ui.transfer_editor.arrange import context_menu, fill_arrange_menu, fill_shape_menu
@@ -451,7 +452,13 @@ class TransferEditor(QWidget):
         if key not in self._as_taken:
             preset = presets().get(name) or self.own_presets.all().get(name)
             taken = function if preset is None or volume is None else preset_for(preset, volume)
-            label = self.tr("Automatic") if name == "auto" else name if preset is None else preset.label
+            label = (
+                self.tr("Automatic")
+                if name == "auto"
+                else name
+                if preset is None
+                else translated(preset.label)
+            )
             # of other volumes nobody asks any more
             self._as_taken = {k: v for k, v in self._as_taken.items() if k[1] is volume}
             self._as_taken[key] = (taken, label)

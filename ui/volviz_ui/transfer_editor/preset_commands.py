@@ -23,12 +23,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from volviz.custom_gl.scene_techniques import with_lighting, with_technique
+from volviz.custom_gl.scene_techniques import current_technique, with_lighting, with_technique
 from volviz.errors import VolvizError
 from volviz.model.scene import Scene
 from volviz.model.transfer.channels import simplified, with_ramp
 from volviz.model.transfer.formats import colormap_colors, read_preset_file, write_transfer_function
 from volviz.model.transfer.presets import Preset, preset_for
+from volviz_ui.library_words import translated
 
 if TYPE_CHECKING:
     from volviz.model.transfer.own_presets import OwnPresets
@@ -103,7 +104,7 @@ class PresetCommands(QObject):
         model = self._model
         volume = model.volume
         function = preset.transfer_function if volume is None else preset_for(preset, volume)
-        label = self.tr("Preset %1").replace("%1", preset.label)
+        label = self.tr("Preset %1").replace("%1", translated(preset.label))
         technique, values = preset.technique, preset.settings
 
         def taken(scene: Scene) -> Scene:
@@ -126,10 +127,10 @@ class PresetCommands(QObject):
         function = self._model.function
         if function is None:
             return
-        view = self._model.store.scene.view
         known = self._own.all()
         name = function.name if function.name in known else self.tr("My preset")
-        dialog = SaveDialog(name, view.technique, self._widget)
+        technique = translated(current_technique(self._model.store.scene).label)
+        dialog = SaveDialog(name, technique, self._widget)
         if dialog.exec() == QDialog.DialogCode.Accepted:
             self.save_as(dialog.name.text(), with_technique=dialog.with_technique.isChecked())
         dialog.deleteLater()

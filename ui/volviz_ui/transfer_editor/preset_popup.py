@@ -19,7 +19,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from volviz.custom_gl.registry import techniques
 from volviz.model.transfer.presets import Preset, preset_for, presets
+from volviz_ui.library_words import translated
 from volviz_ui.transfer_editor.painting import thumbnail
 
 if TYPE_CHECKING:
@@ -54,11 +56,13 @@ class PresetList(QListWidget):
 
     def add(self, preset: Preset) -> QListWidgetItem:
         """Append a preset."""
-        item = QListWidgetItem(preset.label, self)
+        item = QListWidgetItem(translated(preset.label), self)
         item.setData(_PRESET, preset)
-        about = preset.description or preset.label
+        about = translated(preset.description or preset.label)
         if preset.technique:
-            about += "\n" + self.tr("Brings its technique: %1").replace("%1", preset.technique)
+            known = techniques()
+            label = known[preset.technique].label if preset.technique in known else preset.technique
+            about += "\n" + self.tr("Brings its technique: %1").replace("%1", translated(label))
         item.setToolTip(about)
         item.setTextAlignment(Qt.AlignmentFlag.AlignCenter)
         return item

@@ -19,6 +19,7 @@ from volviz.model.parameters import make_settings
 from volviz.model.render_spec import DEFAULT_TECHNIQUE
 from volviz.model.transfer.function import TransferFunction
 from volviz.model.transfer.presets import Preset
+from volviz.volume_data.orientation import direction_of, orientation_of
 from volviz.volume_data.volume import Volume
 from volviz_ui.session.documents import Documents
 from volviz_ui.session.loaded_scene import volume_of
@@ -76,7 +77,7 @@ class Thumbnails(QObject):
 def coarse_copy(volume: Volume) -> npt.NDArray[np.float32]:
     """Every n-th voxel, in cubic cells of which the longest axis has about `SIDE`; to be seen along the middle axis.
 
-    That is y, as in the first view: shape (z, y, x). A stack of few slices is turned so that one looks at
+    That is y of the world, as in the first view: shape (z, y, x). A stack of few slices is turned so that one looks at
     its slices and not at their edges: (y, z, x) with the first row at the top, or (z, x, y).
     """
     longest = max(volume.extent) / SIDE
@@ -91,7 +92,11 @@ def coarse_copy(volume: Volume) -> npt.NDArray[np.float32]:
         return np.ascontiguousarray(coarse[:, ::-1].transpose(1, 0, 2))
     if x < FLAT * min(y, z):
         return np.ascontiguousarray(coarse.transpose(0, 2, 1))
-    return coarse
+    # columns of the matrix are index axes i, j, k, axes of the array are k, j, i
+    matrix = direction_of(orientation_of(volume.direction))
+    order = [2 - int(np.flatnonzero(matrix[axis])[0]) for axis in (2, 1, 0)]
+    turned = [axis for axis in range(3) if matrix[2 - axis].sum() < 0]
+    return np.ascontiguousarray(np.flip(coarse.transpose(order), turned))
 
 
 def framed(image: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

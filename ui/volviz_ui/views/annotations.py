@@ -55,6 +55,7 @@ class Annotations:
         self._unit = ""
         self._note = ""
         self._pending: Measurement | None = None
+        self._scale = 1.0
         self._told: tuple[object, Subject] | None = None
         self._laid_out: tuple[object, tuple[Shape, ...]] | None = None
         self.overlay = Overlay(self._shapes, viewport)
@@ -67,6 +68,16 @@ class Annotations:
     def contents(self) -> PictureContents:
         """What stands around the volume now: values on a surface are explained in any case."""
         return replace(self._contents, bar=self._contents.bar or self._values is not None)
+
+    @property
+    def scale(self) -> float:
+        """Size of letters and lines, 1 as usual."""
+        return self._scale
+
+    @scale.setter
+    def scale(self, scale: float) -> None:
+        self._scale = scale
+        self._viewport.render()
 
     def is_shown(self, name: str) -> bool:
         """Whether one of `volviz.model.picture.SWITCHES` is on."""
@@ -158,10 +169,10 @@ class Annotations:
             return ()
         contents = replace(self.contents, box=False)
         camera = self._viewport.view_camera
-        key = (contents, subject, camera, size)
+        key = (contents, subject, camera, size, self._scale)
         if self._laid_out is None or self._laid_out[0] != key:
             ground = self._loaded.scene.background or GROUND
-            shapes = shapes_around(contents, subject, camera, size, background=ground, scale=1.0)
+            shapes = shapes_around(contents, subject, camera, size, background=ground, scale=self._scale)
             if contents.cross_hair:
                 shapes = (*shapes, *tilt_handles.shapes(subject, Projection(camera, size)))
             self._laid_out = (key, shapes)

@@ -43,7 +43,10 @@ def zoomed(camera: Camera, factor: float) -> Camera:
 
 
 def zoomed_at(camera: Camera, factor: float, place: tuple[float, float], size: tuple[int, int]) -> Camera:
-    """The camera nearer by a factor; what lies behind a place (x right, y down, in pixels) stays there."""
+    """The camera nearer by a factor; what lies at a place (x right, y down, in pixels) stays there.
+
+    That holds at the depth of the focal point.
+    """
     share = 1.0 - 1.0 / factor
     dx, dy = place[0] - size[0] / 2, place[1] - size[1] / 2
     return zoomed(panned(camera, -share * dx, -share * dy, size), factor)

@@ -6,13 +6,16 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QEnterEvent, QIcon, QImage, QPixmap, QResizeEvent
-from PySide6.QtWidgets import QFrame, QGridLayout, QToolButton, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QToolButton, QWidget
 
 from volviz.model.looks.look import Look
+from volviz_ui.library_words import translated
 
 MARGIN = 12
-#: Width and height of an image: where there is room, and where there is not.
-LARGE, SMALL = QSize(104, 72), QSize(72, 50)
+#: Width and height of an image, the largest that fits into one row; the smallest has no room for a name.
+LARGE, SMALL, SMALLEST = QSize(104, 72), QSize(72, 50), QSize(32, 24)
+#: What a button needs beside its image.
+EDGE = 12
 STAYS_MS = 6000
 """How long the strip stays when nobody points at it."""
 
@@ -35,9 +38,9 @@ class LookStrip(QFrame):
         self.setAccessibleName(self.tr("Looks"))
         self.looks: tuple[Look, ...] = ()
         self.buttons: list[QToolButton] = []
-        self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(6, 6, 6, 6)
-        self._grid.setSpacing(2)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(6, 6, 6, 6)
+        self._row.setSpacing(2)
         self._away = QTimer(self)
         self._away.setSingleShot(True)
         self._away.setInterval(STAYS_MS)
@@ -61,7 +64,7 @@ class LookStrip(QFrame):
         self.hide()
         self._away.stop()
         for button in self.buttons:
-            self._grid.removeWidget(button)
+            self._row.removeWidget(button)
             button.deleteLater()
         self.looks, self.buttons = (), []
 
@@ -78,9 +81,8 @@ class LookStrip(QFrame):
         button = QToolButton(self)
         button.setCheckable(True)
         button.setAutoRaise(True)
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        button.setText(look.label)
-        button.setToolTip(look.description)
+        button.setText(translated(look.label))
+        button.setToolTip(f"{translated(look.label)}: {translated(look.description)}")
         button.clicked.connect(lambda: self.chosen.emit(look))
         empty = QPixmap(LARGE)
         empty.fill(Qt.GlobalColor.transparent)
@@ -89,13 +91,17 @@ class LookStrip(QFrame):
 
     def _place(self) -> None:
         over = self.parentWidget()
-        room = over.width() - 2 * MARGIN
-        size = LARGE if len(self.buttons) * (LARGE.width() + 14) <= room else SMALL
-        columns = max(1, min(len(self.buttons), room // (size.width() + 14)))
-        for number, button in enumerate(self.buttons):
+        room, count = over.width() - 2 * MARGIN, len(self.buttons)
+        fitting = (size for size in (LARGE, SMALL) if count * (size.width() + EDGE + 2) <= room)
+        size = next(fitting, SMALLEST)
+        styles = Qt.ToolButtonStyle
+        for button in self.buttons:
+            button.setToolButtonStyle(
+                styles.ToolButtonIconOnly if size == SMALLEST else styles.ToolButtonTextUnderIcon
+            )
             button.setIconSize(size)
-            button.setFixedWidth(size.width() + 12)
-            self._grid.addWidget(button, number // columns, number % columns)
+            button.setFixedWidth(size.width() + EDGE)
+            self._row.addWidget(button)
         self.adjustSize()
         self.move((over.width() - self.width()) // 2, over.height() - self.height() - MARGIN)
 

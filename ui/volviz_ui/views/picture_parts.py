@@ -10,6 +10,7 @@ from volviz.annotations.composition import CAPTION, TITLE
 from volviz.custom_gl.scene_techniques import current_settings, current_technique, faced
 from volviz.model.picture import PictureContents, PicturePart
 from volviz.model.scene import Scene
+from volviz_ui.library_words import translated
 from volviz_ui.views.view_grid import ViewGrid
 from volviz_ui.views.view_layout import GAP
 from volviz_ui.views.view_widget import ViewWidget
@@ -83,9 +84,10 @@ def parts_of(views: ViewGrid, scene: Scene, request: PictureRequest) -> list[Pic
 def caption_of(scene: Scene, view: int) -> str:
     """What stands above a view: A or B and its technique, or its plane."""
     if faced(scene, view) is not None:
-        return str(current_settings(scene, view).plane).capitalize()
+        plane = next(p for p in current_technique(scene, view).parameters if p.name == "plane")
+        return translated(dict(plane.choices)[current_settings(scene, view).plane])
     side = "" if scene.pair is None or view not in scene.pair else "AB"[scene.pair.index(view)] + "  "
-    return side + current_technique(scene, view).label
+    return side + translated(current_technique(scene, view).label)
 
 
 def _canvas(views: ViewGrid) -> tuple[QRect, list[tuple[ViewWidget, QRect]]]:

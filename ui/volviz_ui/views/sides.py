@@ -13,6 +13,7 @@ from volviz.model.scene import Scene
 from volviz.model.store import Store
 from volviz.model.view_edits import with_side
 from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.library_words import translated
 from volviz_ui.widgets.binding import show_value
 
 LETTERS = ("A", "B")
@@ -21,7 +22,7 @@ BADGE = 22
 
 def view_name(scene: Scene, view: int) -> str:
     """What a view is called in lists: its number, counted from the upper left, and its technique."""
-    return f"{view + 1}  {current_technique(scene, view).label}"
+    return f"{view + 1}  {translated(current_technique(scene, view).label)}"
 
 
 def side_of(scene: Scene, view: int) -> int | None:

@@ -16,6 +16,7 @@ from volviz.custom_gl.resolve import resolve
 from volviz.custom_gl.scene_techniques import (
     current_technique,
     faced,
+    has_light,
     with_window_moved,
 )
 from volviz.custom_gl.vtk import add_spec
@@ -197,8 +198,7 @@ class ViewController(QObject):
             self._apply(lambda: self._show_volume(new))
         elif self.handle is not None:
             self._show_changes(old, new)
-        technique = current_technique(new.scene, self._view)
-        self._viewport.light_is_movable = "light" in technique.manipulators
+        self._viewport.light_is_movable = has_light(new.scene, self._view)
         self._viewport.shows_slice = faced(new.scene, self._view) is not None
 
     def _show_volume(self, new: LoadedScene) -> None:

@@ -26,6 +26,9 @@ from volviz_ui.views.view_layout import ViewLayout
 from volviz_ui.views.view_widget import ViewWidget
 from volviz_ui.views.viewport import Viewport
 
+#: How much larger letters are in a presentation.
+PRESENTED = 1.6
+
 
 class ViewGrid(QWidget):
     """Shows all views of the scene; with one view it is that viewport and nothing else.
@@ -68,6 +71,7 @@ class ViewGrid(QWidget):
         self._store = store
         self._documents = documents
         self._shown: dict[str, bool] = {}
+        self._is_presented = False
         self._quality = "balanced"
         self._shows_manipulators = True
         self._ray_mark: tuple[float, float] | None = None
@@ -129,6 +133,7 @@ class ViewGrid(QWidget):
         viewport, controller = view_widget.viewport, view_widget.controller
         self.view_widgets.append(view_widget)
         controller.quality = self._quality
+        view_widget.annotations.scale = PRESENTED if self._is_presented else 1.0
         controller.shows_manipulators = self._shows_manipulators
         for name, on in self._shown.items():
             view_widget.annotations.show(name, on)
@@ -372,6 +377,17 @@ class ViewGrid(QWidget):
         self._shows_manipulators = on
         for view_widget in self.view_widgets:
             view_widget.controller.shows_manipulators = on
+
+    @property
+    def is_presented(self) -> bool:
+        """Whether letters around the volume can be read from afar."""
+        return self._is_presented
+
+    @is_presented.setter
+    def is_presented(self, on: bool) -> None:
+        self._is_presented = on
+        for view_widget in self.view_widgets:
+            view_widget.annotations.scale = PRESENTED if on else 1.0
 
     @property
     def shown_names(self) -> frozenset[str]:

@@ -343,7 +343,7 @@ class Viewport(QtInteractor):
         event.accept()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom; with Ctrl the light comes nearer or goes away. Through slices, which zoom at the pointer with Ctrl."""
+        """Zoom to the pointer; with Ctrl the light comes nearer or goes away. Through slices, which zoom with Ctrl."""
         notches = event.angleDelta().y() / 120
         if notches:
             self._begin_wheel()
@@ -351,12 +351,10 @@ class Viewport(QtInteractor):
                 self.stepped.emit(notches)
             elif event.modifiers() & Qt.KeyboardModifier.ControlModifier and self.light_is_movable:
                 self.light_wheeled.emit(WHEEL_STEP**notches)
-            elif self.shows_slice:
-                place = (event.position().x(), event.position().y())
-                size = (self.width(), self.height())
-                self._move_camera(zoomed_at(self.view_camera, WHEEL_STEP**notches, place, size))
             else:
-                self._move_camera(zoomed(self.view_camera, WHEEL_STEP**notches))
+                at = (event.position().x(), event.position().y())
+                size = (self.width(), self.height())
+                self._move_camera(zoomed_at(self.view_camera, WHEEL_STEP**notches, at, size))
         event.accept()
 
     def event(self, event: QEvent) -> bool:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     AnyHeader = QuickHeader | FullHeader
 
+WHOLE_SLIDE = "1.2.840.10008.5.1.4.1.1.77.1.6"
 PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
 #: Dimensions of a multi-frame file that only repeat where a frame lies.
 _PLACE_POINTERS = {
@@ -82,6 +83,8 @@ class ImageFile:
         Value that stands for a whole voxel in a segmentation of fractions, 0 in others.
     tiles : Tiles or None
         How an image is divided that holds several slices side by side.
+    is_flat : bool
+        Its frames are tiles of one flat image, a slide under the microscope.
     cut_off : bool
         The file ends before its pixels do.
     plain : PlainPixels or None
@@ -103,6 +106,7 @@ class ImageFile:
     labels: tuple[Label, ...] | None = None
     fractional: float = 0.0
     tiles: Tiles | None = None
+    is_flat: bool = False
     cut_off: bool = False
     plain: PlainPixels | None = None
 
@@ -244,6 +248,7 @@ def _file(path: Path, header: AnyHeader) -> ImageFile:
         else tuple(Label(int(s.SegmentNumber), str(s.get("SegmentLabel", ""))) for s in segments),
         fractional=float(header.get("MaximumFractionalValue", 255) or 255) if fractional else 0.0,
         tiles=tiles_of(header),
+        is_flat=str(header.get("SOPClassUID", "")) == WHOLE_SLIDE,
     )
 
 

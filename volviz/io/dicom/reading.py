@@ -37,6 +37,8 @@ def open_source(request: LoadRequest) -> FileSource:
         if outlined is not None:
             return _structures(request, outlined)
     frames = _frames(request)
+    if not frames and any("is cut off" in note for note in request.notes):
+        raise request.error("all of its images are cut off: their pixel data is incomplete; get them again.")
     if not frames:
         raise request.error("it holds no DICOM image that can be read; choose another one.")
     entries = grouping.entries_of(frames)
@@ -44,6 +46,10 @@ def open_source(request: LoadRequest) -> FileSource:
     file = frames[0].file
     if file.labels is not None:
         return _segmentation(request, frames)
+    if file.is_flat:
+        raise request.error(
+            "it is a whole slide: one flat image in tiles, and no volume; choose another one."
+        )
     stacks = grouping.volumes(request, frames)
     slices, geometry = _lattice(request, stacks[0])
 

@@ -48,11 +48,11 @@ def write_05(content: Content, request: SaveRequest) -> None:
 
 def _write(content: Content, request: SaveRequest, version: Version) -> None:
     leading = [n for n in (content.time_count, content.channel_count) if n]
-    factors = _pyramid(content)
+    factors = pyramid_factors(content)
     arrays = []
     for level, factor in enumerate(factors):
-        shape = (*leading, *_reduced(content.shape, factor))
-        arrays.append(_create(request, version, str(level), shape, content))
+        shape = (*leading, *reduced_shape(content.shape, factor))
+        arrays.append(create_array(request, version, str(level), shape, content))
     number = 0
     for time in content.frames:
         for channel in range(content.channel_count or 1):
@@ -67,7 +67,7 @@ def _write(content: Content, request: SaveRequest, version: Version) -> None:
                 # finest takes most of the time
                 request.report(first + (last - first) * (0.0 if level == 0 else 0.8))
                 _fill(store, index, array, request)
-    _metadata(content, request, version, factors)
+    write_metadata(content, request, version, factors)
 
 
 def _fill(store: Any, index: tuple[int, ...], array: npt.NDArray[Any], request: SaveRequest) -> None:
@@ -78,9 +78,16 @@ def _fill(store: Any, index: tuple[int, ...], array: npt.NDArray[Any], request: 
         store[(*index, rows)].write(array[rows]).result()
 
 
-def _create(
-    request: SaveRequest, version: Version, name: str, shape: tuple[int, ...], content: Content
+def create_array(
+    request: SaveRequest,
+    version: Version,
+    name: str,
+    shape: tuple[int, ...],
+    content: Content,
+    *,
+    may_exist: bool = False,
 ) -> Any:
+    """The array of a level, empty; one that exists is gone on with where it may."""
     import tensorstore
 
     extra = len(shape) - 3
@@ -111,17 +118,17 @@ def _create(
                 "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": chunks}}, "codecs": codecs,
             },
         }  # fmt: skip
-    return tensorstore.open(spec, create=True).result()
+    return tensorstore.open(spec, create=True, open=may_exist).result()
 
 
-def _pyramid(content: Content) -> list[tuple[int, int, int]]:
+def pyramid_factors(content: Content) -> list[tuple[int, int, int]]:
     """How many voxels of the finest level, along (z, y, x), one of each level takes the place of.
 
     The longer edges of a voxel wait until the shorter ones have caught up, so that voxels become cubes.
     """
     factors = [(1, 1, 1)]
     spacing = np.asarray(content.lattice.spacing[::-1])
-    while max(shape := _reduced(content.shape, factors[-1])) > SMALL:
+    while max(shape := reduced_shape(content.shape, factors[-1])) > SMALL:
         edges = spacing * factors[-1]
         halve = [edge < 1.5 * edges.min() and n >= 4 for edge, n in zip(edges, shape, strict=True)]
         if not any(halve):
@@ -132,7 +139,8 @@ def _pyramid(content: Content) -> list[tuple[int, int, int]]:
     return factors
 
 
-def _reduced(shape: tuple[int, ...], factor: tuple[int, int, int]) -> tuple[int, ...]:
+def reduced_shape(shape: tuple[int, ...], factor: tuple[int, int, int]) -> tuple[int, ...]:
+    """Voxels along (z, y, x) of a level whose voxels take the place of so many of the finest one."""
     reduced = shape
     at = (1, 1, 1)
     # as many halvings as lead there, each of which rounds up
@@ -143,9 +151,15 @@ def _reduced(shape: tuple[int, ...], factor: tuple[int, int, int]) -> tuple[int,
     return reduced
 
 
-def _metadata(
-    content: Content, request: SaveRequest, version: Version, factors: list[tuple[int, int, int]]
+def write_metadata(
+    content: Content,
+    request: SaveRequest,
+    version: Version,
+    factors: list[tuple[int, int, int]],
+    coarser: Literal["mean", "nearest", "mode"] | None = None,
 ) -> None:
+    """What the arrays are; `coarser` says how the levels were made (default: as `save` makes them)."""
+    coarser = coarser or ("nearest" if content.is_labels else "mean")
     axes: list[dict[str, str]] = []
     if content.time_count:
         axes.append({"name": "t", "type": "time", **({"unit": "second"} if content.even_times else {})})
@@ -157,8 +171,8 @@ def _metadata(
     spacing, origin = np.asarray(content.lattice.spacing[::-1]), np.asarray(content.lattice.origin[::-1])
     datasets = []
     for level, factor in enumerate(factors):
-        # the middle of a block of voxels lies between its first and its last; labels are those of the first
-        shift = 0.0 if content.is_labels else (np.asarray(factor) - 1) / 2
+        # the middle of a block of voxels lies between its first and its last; the nearest is the first
+        shift = 0.0 if coarser == "nearest" else (np.asarray(factor) - 1) / 2
         scale = [step] * bool(content.time_count) + [1.0] * bool(content.channel_count)
         translation = [start] * bool(content.time_count) + [0.0] * bool(content.channel_count)
         datasets.append({
@@ -169,7 +183,7 @@ def _metadata(
             ],
         })  # fmt: skip
     multiscale = {"name": content.name, "axes": axes, "datasets": datasets,
-                  "type": "nearest" if content.is_labels else "mean"}  # fmt: skip
+                  "type": coarser}  # fmt: skip
     attributes: dict[str, Any] = {"multiscales": [multiscale]}
     if content.channel_count:
         attributes["omero"] = {"channels": [_channel(content, at) for at in range(content.channel_count)]}

@@ -11,7 +11,7 @@ from volviz.model.transfer.function import Color
 Tones = tuple[Color, Color, Color, Color]
 SKIN: Tones = ((0.45, 0.28, 0.20), (0.80, 0.60, 0.48), (0.95, 0.85, 0.75), (1.0, 1.0, 1.0))
 BRAIN: Tones = ((0.60, 0.35, 0.30), (0.85, 0.62, 0.52), (0.95, 0.85, 0.75), (1.0, 1.0, 1.0))
-STONE: Tones = ((0.40, 0.44, 0.47), (0.62, 0.66, 0.67), (0.92, 0.83, 0.68), (1.0, 0.98, 0.92))
+STONE: Tones = ((0.56, 0.58, 0.60), (0.76, 0.76, 0.74), (0.94, 0.88, 0.76), (1.0, 0.98, 0.92))
 
 #: Voxels to either side over which gradients are taken: noise must not roughen surfaces.
 SMOOTH = 1.5
