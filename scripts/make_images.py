@@ -141,7 +141,7 @@ def draw_modes() -> None:
 
 
 def draw_layers() -> None:
-    """Channels of a cell, and an atlas inside a head; of files in the folder of test data, where it is there."""
+    """Channels of a cell, and an atlas inside a head by three techniques, of the test data where those are there."""
     folder = Path(os.environ.get("VOLVIZ_TEST_DATA", FOLDER.parents[2] / "shared" / "data"))
     cells, atlas = folder / "xyzct-mitosis.tif", folder / "layers" / "aal.nii.gz"
     if not (cells.exists() and atlas.exists()):
@@ -156,11 +156,17 @@ def draw_layers() -> None:
     ]
     head = volviz.load("sample:mri-head")
     layers = [volviz.ImageLayer(head, preset_for("mri", head)), volviz.LabelLayer(volviz.open(atlas))]
+    veiled = [replace(layers[0], opacity=0.25), layers[1]]
     pictures = []
-    for shown in (channels, layers):
+    for shown, technique in (
+        (channels, "raycast"),
+        (layers, "raycast"),
+        (layers, "half_angle"),
+        (veiled, "isosurface"),
+    ):
         seen = resolve(spec_of(shown)).seen
         camera = layers_camera(seen, SIZE, elevation=25.0 if shown is channels else 0.0)
-        pixels = volviz.render(shown, size=SIZE, camera=camera, background=BACKGROUND)
+        pixels = volviz.render(shown, technique, size=SIZE, camera=camera, background=BACKGROUND)
         pictures.append(Image.fromarray(pixels).convert("RGB"))
     save(side_by_side(pictures, 2), "layers")
 

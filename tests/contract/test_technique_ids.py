@@ -21,6 +21,7 @@ OTHER_MEANINGS = {
     "volviz/io/axes.py": {"slice"},  # a name of an axis
     "volviz/__init__.py": {"marching_cubes"},  # the function
     "volviz/cli.py": {"isosurface"},  # the command
+    "volviz/commands/measure.py": {"isosurface"},  # what is measured
     "volviz/commands/meshes.py": {"isosurface"},
     "volviz/custom_gl/vtk_props/volume_props.py": {"isosurface"},  # a blend mode of VTK's mapper
     "volviz/kernels/marching/__init__.py": {"marching_cubes"},

@@ -117,6 +117,9 @@ def test_a_volume_in_memory_that_exceeds_the_texture_is_drawn_in_bricks(renderer
     drawn = draw(renderer, volviz.Volume(rings()))
     assert renderer.bricks.level == 1
     assert renderer.bricks.limited
+    assert renderer.notice.startswith(
+        "Level 1 is shown, and finer ones do not fit into the budget of textures"
+    )
     assert renderer.bricks.held_bytes <= 2.9 * 2**20
     assert -10 * np.log10(np.mean((drawn - wanted) ** 2)) >= 50
 

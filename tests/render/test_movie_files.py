@@ -68,9 +68,12 @@ def test_a_movie_that_was_stopped_goes_on_to_the_same_bytes(scene: Scene, tmp_pa
         write_movie(again, cancel=lambda: next(asked))
     there = [path for path in again.frames if path.exists()]
     assert 0 < len(there) < 6
+    half = again.folder / ".0123abcd-4.png"
+    half.write_bytes(b"half a frame, of a process that was killed")
     with pytest.raises(InputError, match="frames are there already"):
         write_movie(again)
     assert write_movie(again, resume=True) == 6 - len(there)
+    assert not half.exists()
     for one, other in zip(whole.frames, again.frames, strict=True):
         # the session in a frame says where its volume lies, seen from the frame
         assert one.read_bytes() == other.read_bytes()

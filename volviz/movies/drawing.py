@@ -169,10 +169,19 @@ def _prepare(movie: MovieFile, *, resume: bool, overwrite: bool) -> None:
                 path.unlink()
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        _remove_halves(movie)
         with written_beside(folder / _PLAN) as part:
             part.write_text(json.dumps(plan) + "\n", encoding="utf-8")
     except OSError as error:
         raise InputError(f"{folder}: the frames cannot be written ({error.strerror or error}).") from None
+
+
+def _remove_halves(movie: MovieFile) -> None:
+    """Frames that a kill has left half written, under the names that `written_beside` gives them."""
+    names = {path.name for path in movie.frames}
+    for path in movie.folder.glob(".*-*.png"):
+        if path.name.partition("-")[2] in names:
+            path.unlink(missing_ok=True)
 
 
 def _known_plan(folder: Path) -> Any:

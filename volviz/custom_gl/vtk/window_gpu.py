@@ -337,8 +337,15 @@ class VolumeTextures:
     def notice(self) -> str:
         """A sentence where several voxels had to become one texel, or parts cannot be read; empty otherwise."""
         if self.bricks is not None:
-            failure = self.bricks.cache.failure
-            return failure and f"Parts of the volume are seen coarser: {failure}"
+            failure, status = self.bricks.cache.failure, self.bricks.status
+            if failure:
+                return f"Parts of the volume are seen coarser: {failure}"
+            if status.limited:
+                return (
+                    f"Level {status.level} is shown, and finer ones do not fit into the budget of textures: crop the "
+                    "volume or raise the budget to see them."
+                )
+            return ""
         if self._held is None or max(self._held.full_factor) == 1:
             return ""
         blocks = " x ".join(str(n) for n in self._held.full_factor)
