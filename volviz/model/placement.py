@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
 
 from volviz.model.layers import Transform
 
@@ -47,6 +46,9 @@ class Placement:
         if not rigid:
             a, b, c = (tuple(row) for row in linear.tolist())
             return cls((x, y, z), (0.0, 0.0, 0.0), (a, b, c))
+        # imported where it is needed: a start of the program does not wait for SciPy
+        from scipy.spatial.transform import Rotation
+
         u, v, w = Rotation.from_matrix(linear).as_euler("xyz", degrees=True).tolist()
         return cls((x, y, z), (u, v, w))
 
@@ -55,6 +57,8 @@ class Placement:
         if self == Placement():
             return None
         middle = np.asarray(center, float)
+        from scipy.spatial.transform import Rotation
+
         linear = Rotation.from_euler("xyz", self.turn, degrees=True).as_matrix() @ np.array(self.stretch)
         matrix: Matrix = np.eye(4)
         matrix[:3, :3] = linear
