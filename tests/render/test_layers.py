@@ -53,6 +53,7 @@ class TwoVolumes:
             if self._second is None:
                 self._second = VolumeResources(frame.gpu, self._volume)
                 self._second.upload()
+                self._second.select(0)
             of.set(frame.uniforms, 1)
             self._second.bind(of, frame, table_length, layer=1)
 

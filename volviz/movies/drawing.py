@@ -207,12 +207,15 @@ def _draw(
                 share = number / count * (DRAWING if movie.kind else 1.0)
                 progress(share, f"frame {number + 1} of {count}")
             if cancel is not None and cancel():
-                raise Cancelled(f"the movie was cancelled; {number} of {count} frames are kept.")
+                raise _cancelled(number, count)
             if path.exists():
                 continue
             now = replace(timeline.frame(number), movie=Movie())
             view = View(now.view.camera, movie.size, movie.background)
-            image = renderer.draw(drawn_spec(now), view, volumes.of(now, cancel), cancel=cancel)
+            try:
+                image = renderer.draw(drawn_spec(now), view, volumes.of(now, cancel), cancel=cancel)
+            except Cancelled:
+                raise _cancelled(number, count) from None
             image = captioned(
                 image, scene.movie.title, scene.movie.moment(number) if scene.movie.stamp else None
             )
@@ -220,6 +223,10 @@ def _draw(
                 _save(image, part, None if movie.kind else session)
             drawn += 1
     return drawn
+
+
+def _cancelled(done: int, count: int) -> Cancelled:
+    return Cancelled(f"the movie was cancelled; {done} of {count} frames are kept.")
 
 
 def _save(image: npt.NDArray[np.uint8], path: Path, session: dict[str, Any] | None) -> None:

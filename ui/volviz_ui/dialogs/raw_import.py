@@ -134,6 +134,8 @@ class RawImportDialog(QDialog):
         self._fill(
             RawGuess(sizes_from_name(self._name) or (256, 256, 256), named_type(self._name) or DTYPES[0])
         )
+        #: What the fields said before anybody touched them.
+        self._first = self.guess
         for field in (*self.dims, self.header):
             field.valueChanged.connect(self._on_changed)
         for box in (self.dtype, self.endian):
@@ -171,8 +173,11 @@ class RawImportDialog(QDialog):
         for guess in likely:
             self.guesses.addItem(_words(guess), guess)
         self.guesses.setEnabled(bool(likely))
-        if likely:
+        if likely and self.guess == self._first:
             self._take_guess(0)
+        elif likely:
+            # what was entered meanwhile counts
+            self.guesses.setCurrentIndex(-1)
         else:
             self.guesses.addItem(self.tr("Nothing fits: no neighbours are alike"))
         self._on_changed()

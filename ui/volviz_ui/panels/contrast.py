@@ -43,6 +43,7 @@ class ContrastSlider(QWidget):
         self.slider.setRange(0, STEPS)
         self.slider.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.slider.setAccessibleName(self.tr("Contrast of the layer"))
+        self.slider.setToolTip(self.tr("Values at which the layer begins to be seen and is fully seen"))
         color_bar(self.slider)
         self.auto = small_button("magic-wand", self.tr("Contrast from the values of the layer"), self)
         self.reset = small_button(
