@@ -11,6 +11,7 @@ from PIL import Image
 
 import volviz
 from tests.render.scenes import function, volume
+from volviz.cli import main
 from volviz.custom_gl.scene_techniques import drawn_spec
 from volviz.errors import Cancelled, InputError
 from volviz.model.layers import ImageLayer
@@ -32,7 +33,7 @@ def scene(tmp_path: Path) -> Scene:
     of = volume()
     volviz.save(of, tmp_path / "field.nrrd")
     layer = ImageLayer(reference_to(tmp_path / "field.nrrd", {}), function(of))
-    return Scene((layer,), movie=TURN)
+    return Scene((layer,), background=(0.0, 0.0, 0.0), movie=TURN)
 
 
 def pixels(path: Path) -> np.ndarray:
@@ -52,10 +53,15 @@ def test_numbered_frames_are_what_the_renderer_draws(scene: Scene, tmp_path: Pat
     assert not np.array_equal(pixels(tmp_path / "frames" / "00.png"), image[..., :3])
 
 
-def test_a_frame_carries_the_session_it_belongs_to(scene: Scene, tmp_path: Path) -> None:
+def test_a_frame_carries_its_moment_and_the_movie(scene: Scene, tmp_path: Path) -> None:
     write_movie(MovieFile(scene, tmp_path / "%d.png", SIZE))
     found = load_scene(tmp_path / "3.png")
-    assert found == scene
+    assert found.movie == TURN
+    volumes = SceneVolumes()
+    start = framed(scene, volumes.of(scene), SIZE)
+    assert found == Timeline(start, volumes.surroundings(start)).frame(3)
+    assert main(["reproduce", str(tmp_path / "3.png"), "-o", str(tmp_path / "again.png")]) == 0
+    np.testing.assert_array_equal(pixels(tmp_path / "again.png"), pixels(tmp_path / "3.png"))
     write_movie(MovieFile(scene, tmp_path / "bare%d.png", SIZE, keep_session=False))
     assert not holds_scene(tmp_path / "bare3.png")
 
@@ -127,14 +133,14 @@ def test_films_are_played_by_others(scene: Scene, tmp_path: Path, name: str) -> 
 
 
 def test_a_transparent_film_keeps_its_holes(scene: Scene, tmp_path: Path) -> None:
-    write_movie(MovieFile(scene, tmp_path / "film.apng", SIZE, background=None))
+    write_movie(MovieFile(scene, tmp_path / "film.apng", SIZE, transparent=True))
     with Image.open(tmp_path / "film.apng") as film:
         film.seek(3)
         alpha = np.asarray(film.convert("RGBA"))[..., 3]
     assert alpha.min() == 0
     assert alpha.max() > 200
     with pytest.raises(InputError, match="no transparent background"):
-        write_movie(MovieFile(scene, tmp_path / "film.gif", SIZE, background=None))
+        write_movie(MovieFile(scene, tmp_path / "film.gif", SIZE, transparent=True))
 
 
 def test_what_cannot_be_is_refused_before_anything_is_drawn(scene: Scene, tmp_path: Path) -> None:
@@ -157,8 +163,14 @@ def test_a_cut_and_captions_are_seen(scene: Scene, tmp_path: Path) -> None:
     movie = MovieFile(replace(scene, movie=cut), tmp_path / "%d.png", (160, 120))
     write_movie(movie)
     first, last = (pixels(path).astype(int) for path in movie.frames)
-    assert first[:24].max() > 240, "the title"
-    assert last[96:, 80:].max() > 150, "the moment"
+    bare = MovieFile(
+        replace(scene, movie=replace(cut, title="", stamp=False)), tmp_path / "bare%d.png", (160, 120)
+    )
+    write_movie(bare)
+    without = [pixels(path).astype(int) for path in bare.frames]
+    assert np.abs(first - without[0])[:24].max() > 150, "the title"
+    assert np.abs(last - without[1])[96:].max() > 150, "the moment"
+    np.testing.assert_array_equal(first[30:90], without[0][30:90])
     middle = (slice(40, 80), slice(40, 120))
     assert first[middle].mean() > 5
     assert last[middle].mean() < 1, "all is cut away at the end"

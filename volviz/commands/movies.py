@@ -13,6 +13,7 @@ from volviz.commands.inputs import add_input
 from volviz.commands.layers import add_layer_option
 from volviz.commands.progress import ProgressLine
 from volviz.errors import InputError
+from volviz.model.picture import SWITCHES
 
 if TYPE_CHECKING:
     from volviz.model.movie import Movie
@@ -52,6 +53,9 @@ def add_commands(commands: Any) -> None:
         "--frames", type=int, metavar="N", help="number of frames; steps last longer or shorter for it"
     )
     moves.add_argument("--fps", type=int, metavar="N", help=f"frames a second (default {_FPS})")
+    parser.add_argument(
+        "--show", default="", metavar="NAMES", help=f"what stands around the volume: {', '.join(SWITCHES)}"
+    )
     moves.add_argument("--stamp", action="store_true", help="write the second over the picture")
     moves.add_argument("--title", metavar="WORDS", help="written over the picture")
     parser.add_argument("--resume", action="store_true", help="go on with a movie that was stopped")
@@ -69,14 +73,17 @@ def run(options: argparse.Namespace) -> int:
     """Draw the movie and say where it lies and how long it took."""
     from volviz.commands.scene import scene_of_options
     from volviz.custom_gl.offscreen import background_color
+    from volviz.model.picture import PictureContents
     from volviz.movies.drawing import MovieFile, write_movie
 
     size, output = parse_size(options.size), Path(options.output).expanduser()
     scene = scene_of_options(options, size)
     scene = replace(scene, movie=_movie(options, scene))
-    told = options.background or scene.background or "black"
-    background = None if told == "none" else background_color(told)
-    movie = MovieFile(scene, output, size, background, not options.no_session)
+    transparent = (options.background or "").lower() == "none"
+    if options.background is not None and not transparent:
+        scene = replace(scene, background=background_color(options.background))
+    contents = PictureContents.of([name for name in options.show.split(",") if name.strip()])
+    movie = MovieFile(scene, output, size, transparent, contents, not options.no_session)
     begin = time.perf_counter()
     with ProgressLine() as line:
         drawn = write_movie(

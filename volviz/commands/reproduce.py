@@ -35,10 +35,12 @@ def add_commands(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Draw the picture and tell how it compares."""
+    from volviz.annotations.figure import is_vector
     from volviz.custom_gl.registry import known_settings
     from volviz.embedded_session import picture_in, session_in, session_with
     from volviz.model.session import scene_from_dict
-    from volviz.scene_drawing import draw_picture, write_composition
+    from volviz.renderer import Renderer
+    from volviz.scene_drawing import compose, write_composition
     from volviz.scene_volumes import SceneVolumes
 
     source, output = Path(options.picture).expanduser(), Path(options.output).expanduser()
@@ -56,14 +58,11 @@ def run(options: argparse.Namespace) -> int:
     if options.volume is not None:
         scene = _with_volume(scene, options.volume)
     volumes = SceneVolumes()
-    with ProgressLine() as line:
-        composition = draw_picture(
-            scene,
-            picture,
-            volumes.of(scene),
-            output,
+    with ProgressLine() as line, Renderer(picture.parts[0].size) as renderer:
+        composition = compose(
+            renderer, scene, picture, volumes.of(scene), vector=is_vector(output),
             progress=lambda fraction: line.show(fraction, "drawing"),
-        )
+        )  # fmt: skip
     before = _pixels(source)
     alpha = before.shape[2] == 4
     write_composition(composition, output, session_with(scene, picture, output), alpha=alpha)

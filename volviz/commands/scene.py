@@ -117,7 +117,8 @@ def _scene_of_file(options: argparse.Namespace, size: tuple[int, int]) -> Scene:
     else:
         info, values = look_values(options, volume_of(layers[0]))
         spec = spec_of(layers, None, **values)
-    return scene_of_spec(options, spec, turned_camera(spec, size, options))
+    # as volviz render draws it
+    return scene_of_spec(options, spec, turned_camera(spec, size, options), (0.0, 0.0, 0.0))
 
 
 def _layers(options: argparse.Namespace) -> list[ImageLayer | LabelLayer]:

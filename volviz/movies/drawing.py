@@ -14,17 +14,17 @@ import numpy as np
 import numpy.typing as npt
 
 from volviz import __version__
-from volviz.custom_gl.scene_techniques import drawn_spec
-from volviz.embedded_session import saving_options
+from volviz.annotations.picture import usual_scale
+from volviz.embedded_session import saving_options, session_with
 from volviz.errors import Cancelled, InputError
-from volviz.model.movie import Movie
 from volviz.model.movies.timeline import NOTHING, Timeline
-from volviz.model.render_spec import Color, View
+from volviz.model.picture import Picture, PictureContents
 from volviz.model.scene import Scene
 from volviz.model.session import scene_to_dict
 from volviz.movies.encoding import Format, check_encoder, encode, format_of
 from volviz.new_files import check_target, written_beside
 from volviz.renderer import Renderer
+from volviz.scene_drawing import compose
 from volviz.scene_volumes import SceneVolumes, framed
 
 #: Share of the progress that drawing takes; the rest is encoding.
@@ -45,8 +45,10 @@ class MovieFile:
         .mp4, .webm, .gif, .apng, or numbered frames such as frames/%04d.png.
     size : tuple of 2 ints
         Width and height in pixels.
-    background : tuple of 3 floats or None
-        None is transparent.
+    transparent : bool
+        Without background; otherwise it is that of the scene.
+    contents : PictureContents
+        What stands around the volume; the title is that of the movie.
     keep_session : bool
         The file tells how it was made: the session as metadata. Paths of volumes are part of it.
     """
@@ -54,7 +56,8 @@ class MovieFile:
     scene: Scene
     output: Path
     size: tuple[int, int] = (1280, 720)
-    background: Color | None = (0.0, 0.0, 0.0)
+    transparent: bool = False
+    contents: PictureContents = PictureContents()
     keep_session: bool = True
 
     @property
@@ -80,6 +83,13 @@ class MovieFile:
         return [self.frame(number) for number in range(self.scene.movie.frame_count)]
 
     @property
+    def picture(self) -> Picture:
+        """How each frame is made."""
+        contents = replace(self.contents, title=self.scene.movie.title)
+        view, scale = self.scene.active_index, usual_scale(self.size)
+        return Picture.of_view(view, self.size, scale, contents=contents, transparent=self.transparent)
+
+    @property
     def session(self) -> dict[str, Any]:
         """The session that the file tells."""
         return scene_to_dict(self.scene, self.output.absolute().parent)
@@ -88,7 +98,7 @@ class MovieFile:
     def plan(self) -> dict[str, Any]:
         """All that decides the frames: those of an equal plan are equal to the byte."""
         told = {
-            "program": __version__, "size": self.size, "background": self.background,
+            "program": __version__, "picture": self.picture.to_dict(),
             "keep_session": self.keep_session, "session": self.session,
         }  # fmt: skip
         text = json.dumps(told, sort_keys=True)
@@ -138,7 +148,7 @@ def write_movie(
     if not movie.scene.movie.passing:
         raise InputError(NOTHING)
     if kind is not None:
-        check_encoder(kind, movie.size, transparent=movie.background is None)
+        check_encoder(kind, movie.size, transparent=movie.transparent)
         check_target(movie.output, overwrite=overwrite)
     _prepare(movie, resume=resume, overwrite=overwrite)
     drawn = _draw(movie, volumes or SceneVolumes(), progress, cancel)
@@ -195,12 +205,10 @@ def _draw(
     movie: MovieFile, volumes: SceneVolumes, progress: Progress | None, cancel: Callable[[], bool] | None
 ) -> int:
     """Draw the frames that are not there, and tell how many."""
-    from volviz.movies.captions import captioned
-
     scene = framed(movie.scene, volumes.of(movie.scene, cancel), movie.size)
     timeline = Timeline(scene, volumes.surroundings(scene))
     count, drawn = scene.movie.frame_count, 0
-    session = movie.session if movie.keep_session else None
+    picture = movie.picture
     with Renderer(movie.size) as renderer:
         for number, path in enumerate(movie.frames):
             if progress is not None:
@@ -210,17 +218,18 @@ def _draw(
                 raise _cancelled(number, count)
             if path.exists():
                 continue
-            now = replace(timeline.frame(number), movie=Movie())
-            view = View(now.view.camera, movie.size, movie.background)
+            now = timeline.frame(number)
+            note = f"{scene.movie.moment(number):.1f} s" if scene.movie.stamp else ""
             try:
-                image = renderer.draw(drawn_spec(now), view, volumes.of(now, cancel), cancel=cancel)
+                composition = compose(
+                    renderer, now, picture, volumes.of(now, cancel), note=note, cancel=cancel
+                )
             except Cancelled:
                 raise _cancelled(number, count) from None
-            image = captioned(
-                image, scene.movie.title, scene.movie.moment(number) if scene.movie.stamp else None
-            )
+            # numbered frames are pictures of their own
+            told = session_with(now, picture, path) if movie.kind is None and movie.keep_session else None
             with written_beside(path) as part:
-                _save(image, part, None if movie.kind else session)
+                _save(composition.image(), part, told)
             drawn += 1
     return drawn
 
@@ -233,9 +242,7 @@ def _save(image: npt.NDArray[np.uint8], path: Path, session: dict[str, Any] | No
     """Write a frame; packing it well would take longer than drawing a small one."""
     from PIL import Image
 
-    opaque = bool((image[..., 3] == 255).all())
-    picture = Image.fromarray(np.ascontiguousarray(image[..., :3]) if opaque else image)
-    picture.save(path, compress_level=1, **saving_options(path, session))
+    Image.fromarray(image).save(path, compress_level=1, **saving_options(path, session))
 
 
 def _encode(
@@ -247,7 +254,7 @@ def _encode(
     with written_beside(movie.output) as part:
         encode(
             movie.frames, part, kind,
-            fps=movie.scene.movie.fps, size=movie.size, transparent=movie.background is None, metadata=told,
+            fps=movie.scene.movie.fps, size=movie.size, transparent=movie.transparent, metadata=told,
             progress=None if progress is None else lambda x: progress(DRAWING + (1.0 - DRAWING) * x, "encoding"),
             cancel=cancel,
         )  # fmt: skip

@@ -83,7 +83,7 @@ class SaveFilmDialog(QDialog):
         hint: QLabel = quiet_label(
             words + "\n" + self.tr(
                 "It is drawn at full quality by a program of its own; the window stays free. What is stopped can be "
-                "gone on with. The usual background becomes black; View > Background chooses another."
+                "gone on with. Background and what stands around the volume are those of the view."
             )
         )  # fmt: skip
         hint.setWordWrap(True)

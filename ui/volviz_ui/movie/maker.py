@@ -250,6 +250,8 @@ class MovieMaker(QObject):
         arguments += ["--overwrite"]
         arguments += ["--background", "none"] if transparent else []
         arguments += [] if keep_session else ["--no-session"]
+        names = self._context.views.active.annotations.contents.names
+        arguments += ["--show", ",".join(names)] if names else []
         self._film, self._folder = path, folder
         self.work_changed.emit(0.0, "")
         self.process.start(arguments, Path(path).parent)
