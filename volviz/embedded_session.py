@@ -1,8 +1,9 @@
-"""Pictures that tell how they were made: the session in a PNG text, a TIFF description, the comment of a film."""
+"""Pictures that tell how they were made: the session in a PNG text or a TIFF description."""
 
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,10 @@ from volviz.model.session import KIND, scene_to_dict
 PNG_KEYWORD = "VolViz session"
 #: ImageDescription (TIFF 6.0, section 8).
 TIFF_DESCRIPTION = 270
-SUFFIXES = (".png", ".apng", ".tif", ".tiff")
+_PNG, _TIFF = (".png", ".apng"), (".tif", ".tiff")
+SUFFIXES = (*_PNG, *_TIFF)
+#: What is raised for a file that is not what its name says, or damaged (tifffile's own error is a ValueError).
+_UNREADABLE = (SyntaxError, IndexError, KeyError, TypeError, ValueError, EOFError, struct.error)
 
 
 def carries(path: Path) -> bool:
@@ -63,20 +67,16 @@ def saving_options(path: Path, session: Mapping[str, Any] | None) -> dict[str, A
     session : mapping or None
         As from `volviz.model.session.scene_to_dict`; None, or a format that carries none, gives no keywords.
     """
-    if session is None:
+    if session is None or not carries(path):
         return {}
     text = json.dumps(session)
-    match path.suffix.lower():
-        case ".png" | ".apng":
-            from PIL.PngImagePlugin import PngInfo
+    if path.suffix.lower() in _TIFF:
+        return {"tiffinfo": {TIFF_DESCRIPTION: text}}
+    from PIL.PngImagePlugin import PngInfo
 
-            info = PngInfo()
-            info.add_itxt(PNG_KEYWORD, text, zip=True)
-            return {"pnginfo": info}
-        case ".tif" | ".tiff":
-            return {"tiffinfo": {TIFF_DESCRIPTION: text}}
-        case _:
-            return {}
+    info = PngInfo()
+    info.add_itxt(PNG_KEYWORD, text, zip=True)
+    return {"pnginfo": info}
 
 
 def session_in(path: Path) -> dict[str, Any] | None:
@@ -89,16 +89,9 @@ def session_in(path: Path) -> dict[str, Any] | None:
     """
     if path.suffix.lower() not in SUFFIXES:
         return None
-    from PIL import Image, UnidentifiedImageError
-
     try:
-        with Image.open(path) as picture:
-            if picture.format == "PNG":
-                # what stands before the pixels is known without reading them
-                text = picture.info.get(PNG_KEYWORD)
-            else:
-                text = getattr(picture, "tag_v2", {}).get(TIFF_DESCRIPTION)
-    except (UnidentifiedImageError, SyntaxError, ValueError):
+        text = _png_text(path) if path.suffix.lower() in _PNG else _tiff_text(path)
+    except _UNREADABLE:
         return None
     except OSError as error:
         raise LoadError(f"{path}: the file cannot be read ({error.strerror or error}).") from None
@@ -109,3 +102,19 @@ def session_in(path: Path) -> dict[str, Any] | None:
     except ValueError:
         return None
     return found if isinstance(found, dict) and found.get("kind") == KIND else None
+
+
+def _png_text(path: Path) -> Any:
+    """What stands before the pixels, which are not read; however many there are."""
+    from PIL.PngImagePlugin import PngImageFile
+
+    with PngImageFile(path) as picture:
+        return picture.info.get(PNG_KEYWORD)
+
+
+def _tiff_text(path: Path) -> Any:
+    # not Pillow: it warns of files that it finds damaged, which other stacks are to it
+    from tifffile import TiffFile
+
+    with TiffFile(path) as file:
+        return file.pages.first.description

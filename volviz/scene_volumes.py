@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 from volviz.custom_gl.registry import known_settings
 from volviz.custom_gl.resolve import resolve
 from volviz.custom_gl.scene_techniques import drawn_spec, surroundings
 from volviz.embedded_session import session_in
 from volviz.errors import LoadError
-from volviz.io import open as open_source
+from volviz.io.file_parts import open_reference, read_key
 from volviz.model.layers import Layer
 from volviz.model.movie import Surroundings
 from volviz.model.scene import Scene
@@ -50,10 +49,7 @@ class SceneVolumes:
         for layer in scene.layers:
             key = layer.key
             if key not in self._volumes:
-                source = self.source(layer)
-                self._volumes[key] = source.read(
-                    source.default_level, time=key.time, channel=key.channel, cancel=cancel
-                )
+                self._volumes[key] = read_key(self.source(layer), key, cancel=cancel)
             self._volumes.move_to_end(key)
             found[key] = self._volumes[key]
         spare = sum(v.array.nbytes for key, v in self._volumes.items() if key not in found)
@@ -67,8 +63,7 @@ class SceneVolumes:
         """What a layer is read from, opened once."""
         ref = layer.key.ref
         if ref not in self._sources:
-            hints: dict[str, Any] = dict(ref.hints)
-            self._sources[ref] = open_source(ref.source, **hints)
+            self._sources[ref] = open_reference(ref)
         return self._sources[ref]
 
     def changed(self, scene: Scene) -> tuple[str, ...]:

@@ -158,6 +158,15 @@ def test_what_cannot_be_is_refused_before_anything_is_drawn(scene: Scene, tmp_pa
     assert sorted(path.name for path in tmp_path.iterdir() if path.suffix == ".gif") == []
 
 
+def test_the_command_reads_a_file_once(scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_values: object, **_options: object) -> None:
+        raise AssertionError("read a second time")
+
+    monkeypatch.setattr("volviz.scene_volumes.read_key", refuse)
+    command = ["movie", scene.layers[0].key.ref.source, "--turn", "360", "--frames", "2", "--size", "64x48"]
+    assert main([*command, "-o", str(tmp_path / "film.gif")]) == 0
+
+
 def test_a_cut_and_captions_are_seen(scene: Scene, tmp_path: Path) -> None:
     cut = Movie((Step((Cut("x"),), 0.5, "even"),), fps=4, title="A cut", stamp=True)
     movie = MovieFile(replace(scene, movie=cut), tmp_path / "%d.png", (160, 120))

@@ -80,6 +80,36 @@ def test_slices_cuts_transparency_and_layers_are_kept(
     assert "to the bit" in capsys.readouterr().out
 
 
+def test_a_level_and_a_box_of_a_file_are_drawn_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    array = np.arange(6 * 300 * 300, dtype=np.uint32).reshape(6, 300, 300) % 251
+    store = tmp_path / "levels.ome.zarr"
+    volviz.save(volviz.Volume(array.astype(np.uint8)), store)
+    assert len(volviz.open(store).levels) > 1
+    for number, part in enumerate((("--level", "1"), ("--box", "10,140,8,150,0,5"))):
+        render(store, tmp_path / f"{number}.png", *part)
+        assert (
+            main(["reproduce", str(tmp_path / f"{number}.png"), "-o", str(tmp_path / f"again{number}.png")])
+            == 0
+        )
+        assert "to the bit" in capsys.readouterr().out
+
+
+def test_the_session_of_a_picture_of_many_pixels_is_read(
+    field: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("a.png", "a.tif"):
+        render(field, tmp_path / name)
+        monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 10)
+        assert session_in(tmp_path / name) is not None
+        monkeypatch.undo()
+    (tmp_path / "b.png").write_bytes(b"no picture")
+    (tmp_path / "b.tif").write_bytes(b"II*\0 no picture either")
+    assert session_in(tmp_path / "b.png") is None
+    assert session_in(tmp_path / "b.tif") is None
+
+
 def test_a_volume_that_has_moved_is_named_and_one_that_has_changed_is_told(
     field: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     from volviz.movies.drawing import MovieFile, write_movie
 
     size, output = parse_size(options.size), Path(options.output).expanduser()
-    scene = scene_of_options(options, size)
+    scene, volumes = scene_of_options(options, size)
     scene = replace(scene, movie=_movie(options, scene))
     transparent = (options.background or "").lower() == "none"
     if options.background is not None and not transparent:
@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     begin = time.perf_counter()
     with ProgressLine() as line:
         drawn = write_movie(
-            movie, resume=options.resume, overwrite=options.overwrite, progress=line.show,
+            movie, volumes, resume=options.resume, overwrite=options.overwrite, progress=line.show,
             cancel=lambda: line.is_stopping,
         )  # fmt: skip
     count, seconds = scene.movie.frame_count, time.perf_counter() - begin

@@ -87,9 +87,12 @@ def _with_volume(scene: Scene, file: str) -> Scene:
 
 def _pixels(source: Path) -> npt.NDArray[np.uint8]:
     """The picture that is drawn again, shape (H, W, 3 or 4)."""
-    from PIL import Image
+    from PIL.PngImagePlugin import PngImageFile
+    from PIL.TiffImagePlugin import TiffImageFile
 
-    with Image.open(source) as picture:
+    # not Image.open: it has a limit on pixels that our pictures may exceed
+    kind = TiffImageFile if source.suffix.lower().startswith(".tif") else PngImageFile
+    with kind(source) as picture:
         return np.asarray(picture.convert("RGBA" if "A" in picture.getbands() else "RGB"))
 
 

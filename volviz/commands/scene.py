@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from volviz.model.layers import ImageLayer, LabelLayer
     from volviz.model.render_spec import RenderSpec
     from volviz.model.scene import Color, Scene
+    from volviz.scene_volumes import SceneVolumes
+    from volviz.volume_data.volume import Volume
 
 #: Options that say how a file is shown; a session says that itself.
 _LOOKS = (
@@ -33,8 +35,8 @@ _LOOKS = (
 )
 
 
-def scene_of_options(options: argparse.Namespace, size: tuple[int, int]) -> Scene:
-    """The scene that FILE and the options ask for, with a camera.
+def scene_of_options(options: argparse.Namespace, size: tuple[int, int]) -> tuple[Scene, SceneVolumes]:
+    """The scene that FILE and the options ask for, and its volumes as far as they have been read.
 
     Parameters
     ----------
@@ -48,7 +50,7 @@ def scene_of_options(options: argparse.Namespace, size: tuple[int, int]) -> Scen
     VolvizError
         A file that cannot be read, or options that do not go together.
     """
-    from volviz.scene_volumes import holds_scene, load_scene
+    from volviz.scene_volumes import SceneVolumes, holds_scene, load_scene
 
     path = None if options.file is None else Path(options.file).expanduser()
     if path is not None and holds_scene(path):
@@ -57,7 +59,7 @@ def scene_of_options(options: argparse.Namespace, size: tuple[int, int]) -> Scen
             names = {"values": "set", "layers": "layer"}
             told = ", ".join("--" + names.get(name, name).replace("_", "-") for name in given)
             raise InputError(f"{options.file}: a session says how it is shown; leave out {told}.")
-        return load_scene(path)
+        return load_scene(path), SceneVolumes()
     return _scene_of_file(options, size)
 
 
@@ -101,35 +103,39 @@ def scene_of_spec(
     )
 
 
-def _scene_of_file(options: argparse.Namespace, size: tuple[int, int]) -> Scene:
+def _scene_of_file(options: argparse.Namespace, size: tuple[int, int]) -> tuple[Scene, SceneVolumes]:
     from volviz.custom_gl.arguments import spec_of
     from volviz.custom_gl.registry import technique
-    from volviz.model.layers import volume_of
+    from volviz.scene_volumes import SceneVolumes
 
     if not options.zoom > 0:
         raise InputError(f"--zoom takes a factor greater than 0, got {options.zoom:g}.")
     if options.look is not None:
         check_look(options)
-    layers = _layers(options)
+    # sources give the same volumes again as long as these are held
+    layers, volumes = zip(*_layers(options), strict=True)
     if options.look is None:
         info = technique(options.technique or DEFAULT_TECHNIQUE)
         spec = spec_of(layers, info.id, classic=options.classic, **parse_values(info, options.values))
     else:
-        info, values = look_values(options, volume_of(layers[0]))
+        info, values = look_values(options, volumes[0])
         spec = spec_of(layers, None, **values)
     # as volviz render draws it
-    return scene_of_spec(options, spec, turned_camera(spec, size, options), (0.0, 0.0, 0.0))
+    scene = scene_of_spec(options, spec, turned_camera(spec, size, options), (0.0, 0.0, 0.0))
+    known = {layer.key: volume for layer, volume in zip(scene.layers, volumes, strict=True)}
+    return scene, SceneVolumes(known)
 
 
-def _layers(options: argparse.Namespace) -> list[ImageLayer | LabelLayer]:
-    """What FILE, ``--channel`` and ``--layer`` name."""
-    from volviz.model.layers import ImageLayer
+def _layers(options: argparse.Namespace) -> list[tuple[ImageLayer | LabelLayer, Volume]]:
+    """What FILE, ``--channel`` and ``--layer`` name, and the values of each."""
+    from volviz.model.layers import ImageLayer, volume_of
 
     if asks_for_layers(options):
-        return list(layers_of_options(options, transfer_function))
+        return [(layer, volume_of(layer)) for layer in layers_of_options(options, transfer_function)]
     single_channel(options)
     source, part = open_input(options), part_of(options)
     if "channel" in part:
         part["channel"] = source.channel_number(part["channel"])
-    function = transfer_function(options, source.read(source.default_level, **part))
-    return [ImageLayer(source, function, **part)]
+    layer = ImageLayer(source, **part)
+    volume = volume_of(layer)
+    return [(replace(layer, transfer_function=transfer_function(options, volume)), volume)]

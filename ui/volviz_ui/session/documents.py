@@ -12,6 +12,7 @@ from psygnal import Signal as Event
 from PySide6.QtCore import QObject, Signal
 
 from volviz.errors import InputError
+from volviz.io.file_parts import box_again, box_in_full, shown_part, whole_of
 from volviz.model.clipping import Clipping, Crop
 from volviz.model.layer_edits import with_added, with_layers_instead
 from volviz.model.scene import Scene
@@ -24,7 +25,6 @@ from volviz.volume_data.references import (
 )
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
-from volviz_ui.session.file_parts import box_again, box_in_full, shown_part, whole_of
 from volviz_ui.session.loaded_scene import LoadedScene
 from volviz_ui.session.opening import (
     Opened,

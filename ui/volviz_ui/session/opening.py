@@ -10,6 +10,7 @@ from volviz.custom_gl.layer_set import layer_function
 from volviz.custom_gl.scene_techniques import with_look
 from volviz.errors import VolvizError
 from volviz.io.entries import Entry
+from volviz.io.file_parts import open_reference, read_key
 from volviz.model.auto_isovalue import auto_isovalue
 from volviz.model.layer_looks import channel_color, channel_function
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
@@ -22,7 +23,6 @@ from volviz.volume_data.references import SAMPLE_PREFIX, VolumeKey, VolumeRef, c
 from volviz.volume_data.scalars import bricks_of
 from volviz.volume_data.source import VolumeSource
 from volviz.volume_data.volume import Volume
-from volviz_ui.session.file_parts import shown_part, whole_of
 from volviz_ui.session.workers import Task
 
 #: Channels that may be shown together.
@@ -128,23 +128,12 @@ def open_volume(
 
 def open_source(ref: VolumeRef, task: Task) -> VolumeSource:
     """What can be read of a file."""
-    import volviz.io
-
-    return volviz.io.open(
-        ref.source, progress=task.report, cancel=lambda: task.is_cancelled, **dict(whole_of(ref).hints)
-    )
+    return open_reference(ref, progress=task.report, cancel=lambda: task.is_cancelled)
 
 
 def read_volume(source: VolumeSource, key: VolumeKey, task: Task) -> Volume:
     """The values that a key names."""
-    level, box = shown_part(source, key.ref)
-
-    def cancel() -> bool:
-        return task.is_cancelled
-
-    if whole_of(key.ref) == key.ref:
-        return source.read_fitting(key.time, key.channel, cancel, task.report)
-    return source.read(level, key.time, key.channel, box, cancel, task.report)
+    return read_key(source, key, progress=task.report, cancel=lambda: task.is_cancelled)
 
 
 def _whole_scene(scene: Scene, source: VolumeSource, key: VolumeKey, volume: Volume, task: Task) -> Opened:

@@ -1,16 +1,18 @@
-"""References to a level or a box of a file: the finest box that fits, and the way back to all of it."""
+"""References to a file, or to a level or a box of it: what they name is opened and read, made finer, and made whole."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import Any
 
+from volviz.io.loading import open as open_file
 from volviz.io.memory import free_bytes
 from volviz.model.clipping import Crop
 from volviz.volume_data.boxes import between_levels, finest_box
 from volviz.volume_data.description import Box
-from volviz.volume_data.references import VolumeRef
-from volviz.volume_data.source import VolumeSource
+from volviz.volume_data.references import VolumeKey, VolumeRef
+from volviz.volume_data.source import Cancel, Progress, VolumeSource
+from volviz.volume_data.volume import Volume
 
 
 def whole_of(ref: VolumeRef) -> VolumeRef:
@@ -23,6 +25,36 @@ def shown_part(source: VolumeSource, ref: VolumeRef) -> tuple[int, Box | None]:
     hints: dict[str, Any] = dict(ref.hints)
     box = hints.get("box")
     return hints.get("level", source.default_level if box is None else 0), box
+
+
+def open_reference(
+    ref: VolumeRef, *, progress: Progress | None = None, cancel: Cancel | None = None
+) -> VolumeSource:
+    """The file that a reference names, all of it.
+
+    Raises
+    ------
+    VolvizError
+        As from `volviz.open`.
+    """
+    hints: dict[str, Any] = dict(whole_of(ref).hints)
+    return open_file(ref.source, progress=progress, cancel=cancel, **hints)
+
+
+def read_key(
+    source: VolumeSource, key: VolumeKey, *, progress: Progress | None = None, cancel: Cancel | None = None
+) -> Volume:
+    """The values that a key names, of what `open_reference` gives for its reference.
+
+    Raises
+    ------
+    VolvizError
+        The file has no such part, or cannot be read.
+    """
+    if whole_of(key.ref) == key.ref:
+        return source.read_fitting(key.time, key.channel, cancel, progress)
+    level, box = shown_part(source, key.ref)
+    return source.read(level, key.time, key.channel, box, cancel, progress)
 
 
 def box_in_full(source: VolumeSource, ref: VolumeRef, crop: Crop) -> VolumeRef:
