@@ -28,6 +28,7 @@ from volviz_ui.panels.form_cache import FormCache
 from volviz_ui.session import opening
 from volviz_ui.session.preferences import Preferences
 from volviz_ui.style.theme import Theme
+from volviz_ui.views.viewport import Viewport
 
 #: Width and height of the window in pixels.
 WINDOW_SIZE = (960, 660)
@@ -204,6 +205,19 @@ def settle(app: QApplication) -> None:
     for _ in range(3):
         app.sendPostedEvents(None, QEvent.Type.DeferredDelete)
         app.processEvents()
+
+
+@pytest.fixture
+def window_with_slices(same_window: MainWindow) -> MainWindow:
+    """The window of the file with three slices beside the volume, fully drawn."""
+    same_window.commands["view.slices.grid"].trigger()
+    run_until(lambda: len(same_window.views.view_widgets) == 4 and is_complete(same_window))
+    return same_window
+
+
+def viewport(window: MainWindow, view: int) -> Viewport:
+    """Where a view is shown, by its number."""
+    return window.views.view_widgets[view].viewport
 
 
 def is_complete(window: MainWindow) -> bool:

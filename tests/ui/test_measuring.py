@@ -11,10 +11,9 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from tests.ui.conftest import drag, is_complete
+from tests.ui.conftest import drag, viewport
 from volviz.annotations.shapes import Text
 from volviz_ui.app.main_window import MainWindow
-from volviz_ui.views.viewport import Viewport
 
 Wait = Callable[..., None]
 
@@ -22,15 +21,9 @@ pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searc
 
 
 @pytest.fixture
-def window(same_window: MainWindow, wait_for: Wait) -> MainWindow:
+def window(window_with_slices: MainWindow) -> MainWindow:
     """With the slices beside the volume."""
-    same_window.commands["view.slices.grid"].trigger()
-    wait_for(lambda: len(same_window.views.view_widgets) == 4 and is_complete(same_window))
-    return same_window
-
-
-def viewport(window: MainWindow, view: int) -> Viewport:
-    return window.views.view_widgets[view].viewport
+    return window_with_slices
 
 
 def click(window: MainWindow, view: int, x: int, y: int) -> None:

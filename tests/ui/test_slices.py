@@ -11,7 +11,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from tests.ui.conftest import drag, image, is_complete, turn_wheel
+from tests.ui.conftest import drag, image, is_complete, turn_wheel, viewport
 from volviz.annotations.planes import PLANE_COLORS, plane_lines
 from volviz.annotations.projection import Projection
 from volviz.annotations.shapes import Line, Shape, Text
@@ -21,7 +21,6 @@ from volviz_ui.app.main_window import MainWindow
 from volviz_ui.session.script import script_of
 from volviz_ui.views.camera_moves import point_on_plane, zoomed_at
 from volviz_ui.views.tilt_handles import knobs
-from volviz_ui.views.viewport import Viewport
 
 Wait = Callable[..., None]
 
@@ -29,15 +28,9 @@ pytestmark = pytest.mark.leaks_allowed("the tests share a window, which is searc
 
 
 @pytest.fixture
-def window(same_window: MainWindow, wait_for: Wait) -> MainWindow:
+def window(window_with_slices: MainWindow) -> MainWindow:
     """With the slices beside the volume."""
-    same_window.commands["view.slices.grid"].trigger()
-    wait_for(lambda: len(same_window.views.view_widgets) == 4 and is_complete(same_window))
-    return same_window
-
-
-def viewport(window: MainWindow, view: int) -> Viewport:
-    return window.views.view_widgets[view].viewport
+    return window_with_slices
 
 
 def pixels(window: MainWindow, view: int) -> np.ndarray:

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from volviz_ui.commands.command import Command, State, keys_in_words, plain
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.small import quiet_label
 
 COLUMNS = 3
@@ -74,11 +75,8 @@ class ShortcutsDialog(QDialog):
         scrolls.setWidget(body)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(16)
-        layout.addWidget(scrolls, 1)
-        layout.addWidget(buttons)
+        layout = lay_out(self, scrolls, buttons, spacing=16)
+        layout.setStretchFactor(scrolls, 1)
         bar = scrolls.verticalScrollBar().sizeHint().width()
         whole = body.sizeHint() + QSize(bar, 0)
         scrolls.setMinimumSize(whole.boundedTo(self.screen().availableSize() * PART_OF_SCREEN))

@@ -5,9 +5,10 @@ from __future__ import annotations
 import platform
 
 from PySide6.QtCore import Qt, qVersion
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QLabel, QWidget
 
 from volviz_ui.style.app_icon import app_icon
+from volviz_ui.widgets.dialog_layout import lay_out
 
 
 class AboutDialog(QDialog):
@@ -48,8 +49,4 @@ class AboutDialog(QDialog):
         top.addWidget(words, 1)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(16)
-        layout.addLayout(top)
-        layout.addWidget(buttons)
+        lay_out(self, top, buttons, spacing=16)

@@ -12,11 +12,11 @@ from PySide6.QtWidgets import (
     QLabel,
     QTreeWidget,
     QTreeWidgetItem,
-    QVBoxLayout,
     QWidget,
 )
 
 from volviz.io.entries import Entry, largest_image
+from volviz_ui.widgets.dialog_layout import lay_out
 
 ENTRY = Qt.ItemDataRole.UserRole
 NAME, SIZE, VALUES, MEMORY = range(4)
@@ -50,12 +50,8 @@ class ChooseEntryDialog(QDialog):
         )
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(12)
-        layout.addWidget(heading)
-        layout.addWidget(self.tree, 1)
-        layout.addWidget(self.buttons)
+        layout = lay_out(self, heading, self.tree, self.buttons)
+        layout.setStretchFactor(self.tree, 1)
         self.resize(620, 380)
 
         self._groups: dict[str, QTreeWidgetItem] = {}

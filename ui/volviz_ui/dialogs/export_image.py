@@ -16,13 +16,13 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QPushButton,
     QSpinBox,
-    QVBoxLayout,
     QWidget,
 )
 
 from volviz.model.picture import SWITCHES, PictureContents
 from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.views.picture_parts import PictureRequest
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.small import quiet_label
 
 LARGEST = 16384
@@ -133,12 +133,7 @@ class ExportImageDialog(QDialog):
         buttons.addButton(QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(12)
-        layout.addLayout(form)
-        layout.addWidget(hint)
-        layout.addWidget(buttons)
+        lay_out(self, form, hint, buttons)
         self.setMinimumWidth(440)
         self._show_printed()
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QApplication, QDialog, QDialogButtonBox, QLabel, QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QDialog, QDialogButtonBox, QLabel, QLineEdit, QWidget
 
 from volviz.volume_data.references import is_address
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.small import quiet_label
 
 
@@ -33,13 +34,7 @@ class OpenAddressDialog(QDialog):
         )
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(12)
-        layout.addWidget(label)
-        layout.addWidget(self.field)
-        layout.addWidget(words)
-        layout.addWidget(self.buttons)
+        lay_out(self, label, self.field, words, self.buttons)
         self.setMinimumWidth(520)
         self.field.textChanged.connect(self._show_check)
         copied = QApplication.clipboard().text().strip()

@@ -7,10 +7,11 @@ from functools import partial
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QDialog, QDialogButtonBox, QFormLayout, QLabel, QWidget
 
 from volviz.volume_data.budgets import bytes_in_words
 from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.small import quiet_label
 
 #: What is allowed for: main memory, and memory of textures.
@@ -80,12 +81,8 @@ class PreferencesDialog(QDialog):
         form.addRow(hint)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(16)
-        layout.addLayout(form)
-        layout.addStretch(1)
-        layout.addWidget(buttons)
+        layout = lay_out(self, form, buttons, spacing=16)
+        layout.insertStretch(1, 1)
         self.setMinimumWidth(400)
 
     def _on_budget(self, what: str, _index: int) -> None:

@@ -19,7 +19,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QSizePolicy,
     QSpinBox,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -36,6 +35,7 @@ from volviz.io.raw_guesses import (
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import QWIDGETSIZE_MAX, NoWheelComboBox
 from volviz_ui.session.workers import Task, Workers
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.small import quiet_label
 
 RAW_SUFFIXES = (*endings.RAW, ".vol")
@@ -116,15 +116,8 @@ class RawImportDialog(QDialog):
         pictures.setSpacing(8)
         for label in self.slices:
             pictures.addWidget(label)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(12)
         heading = QLabel(f"<b>{self._name}</b>", self)
-        layout.addWidget(heading)
-        layout.addLayout(form)
-        layout.addLayout(pictures)
-        layout.addWidget(self.check)
-        layout.addWidget(self.buttons)
+        lay_out(self, heading, form, pictures, self.check, self.buttons)
         self.setMinimumWidth(3 * (SIDE + 8) + 48)
 
         self._later = QTimer(self)

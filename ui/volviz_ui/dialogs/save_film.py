@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QLabel,
     QMessageBox,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -20,6 +19,7 @@ from volviz.errors import VolvizError
 from volviz.movies.encoding import FORMATS, Format, check_encoder
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import NoWheelComboBox
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.small import quiet_label
 
 #: Sizes that films usually have.
@@ -93,12 +93,7 @@ class SaveFilmDialog(QDialog):
         buttons.addButton(QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.ask_where)
         buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(12)
-        layout.addLayout(form)
-        layout.addWidget(hint)
-        layout.addWidget(buttons)
+        lay_out(self, form, hint, buttons)
         self.setMinimumWidth(420)
         self.format.currentIndexChanged.connect(self._show_format)
         self._show_format()

@@ -16,7 +16,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QLineEdit,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -24,6 +23,7 @@ from volviz.volume_data.orientation import LETTERS, direction_of, orientation_of
 from volviz.volume_data.volume import Volume
 from volviz_ui.editors.number import NumberField
 from volviz_ui.editors.simple import QWIDGETSIZE_MAX, NoWheelComboBox
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.small import quiet_label
 
 #: Hints of `volviz.open` that this dialog gives.
@@ -115,14 +115,7 @@ class UnderstoodDialog(QDialog):
         self.apply.clicked.connect(self._on_apply)
         self.as_the_file_says.clicked.connect(self._on_reset)
         self.buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(12)
-        layout.addLayout(form)
-        layout.addWidget(self.notes)
-        layout.addWidget(self.check)
-        layout.addWidget(self.remember)
-        layout.addWidget(self.buttons)
+        lay_out(self, form, self.notes, self.check, self.remember, self.buttons)
         self.setMinimumWidth(460)
         for box in (*self.axes, self.length_unit):
             box.currentTextChanged.connect(self._show_check)

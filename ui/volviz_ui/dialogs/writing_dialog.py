@@ -14,13 +14,13 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QLabel,
     QMessageBox,
-    QVBoxLayout,
     QWidget,
 )
 
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.session.workers import Task, Workers
+from volviz_ui.widgets.dialog_layout import lay_out
 from volviz_ui.widgets.progress_bar import ProgressBar
 
 
@@ -79,13 +79,7 @@ class WritingDialog(QDialog):
     def lay_out(self, words: QLabel, width: int) -> None:
         """Form, words, progress and buttons, one below the other."""
         words.setWordWrap(True)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(12)
-        layout.addLayout(self.form)
-        layout.addWidget(words)
-        layout.addWidget(self.bar)
-        layout.addWidget(self.buttons)
+        lay_out(self, self.form, words, self.bar, self.buttons)
         self.setMinimumWidth(width)
 
     @property

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QLabel, QWidget
 
 from volviz_ui.transfer_editor.keys import shortcuts
+from volviz_ui.widgets.dialog_layout import lay_out
 
 
 class HelpDialog(QDialog):
@@ -25,8 +26,4 @@ class HelpDialog(QDialog):
             table.addWidget(keys, row, 1)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 20, 24, 16)
-        layout.setSpacing(16)
-        layout.addLayout(table)
-        layout.addWidget(buttons)
+        lay_out(self, table, buttons, spacing=16)
