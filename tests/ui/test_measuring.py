@@ -11,7 +11,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from tests.ui.conftest import drag, viewport
+from tests.ui.conftest import drag, is_complete, viewport
 from volviz.annotations.shapes import Text
 from volviz_ui.app.main_window import MainWindow
 
@@ -62,6 +62,24 @@ def test_clicks_on_a_slice_measure_a_distance_that_stands_in_the_picture(window:
     assert window.store.scene.measurements == (found,)
     window.store.undo()
     assert window.store.scene.measurements == ()
+
+
+def test_measurements_go_with_their_volume_and_come_back_with_it(
+    window: MainWindow, other_file: str, wait_for: Wait
+) -> None:
+    window.commands["measure.distance"].trigger()
+    click(window, 1, -10, 0)
+    click(window, 1, 10, 6)
+    QTest.keyClick(viewport(window, 1), Qt.Key.Key_Escape)
+    before, volume = window.store.scene, window.documents.volume
+    assert len(before.measurements) == 1
+    window.open(other_file)
+    wait_for(lambda: window.documents.volume is not volume and is_complete(window))
+    scene = window.store.scene
+    assert (scene.measurements, scene.cursor, scene.tilt) == ((), None, None)
+    window.store.undo()
+    wait_for(lambda: window.documents.volume is volume)
+    assert window.store.scene.measurements == before.measurements
 
 
 def test_a_click_on_the_volume_is_a_point_by_the_rule_of_the_picture(window: MainWindow) -> None:

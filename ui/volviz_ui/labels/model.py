@@ -146,18 +146,20 @@ class LabelModel(QAbstractTableModel):
 
     def headerData(self, section: int, orientation: Qt.Orientation, role: int = 0) -> Any:
         """Titles of the columns, with units."""
-        if orientation != Qt.Orientation.Horizontal or self.rows is None:
+        if orientation != Qt.Orientation.Horizontal:
             return None
-        table = self.rows.table
-        unit = f" ({table.values.unit})" if table.values is not None and table.values.unit else ""
+        table = None if self.rows is None else self.rows.table
+        values = None if table is None else table.values
+        unit = f" ({values.unit})" if values is not None and values.unit else ""
+        cubic = f" ({table.length_unit}³)" if table is not None and table.length_unit else ""
         tr = self.tr
         if role == Qt.ItemDataRole.DisplayRole:
             return (
-                tr("Name"), tr("Label"), tr("Voxels"), f"{tr('Volume')} ({table.length_unit}³)", tr("Mean") + unit,
+                tr("Name"), tr("Label"), tr("Voxels"), tr("Volume") + cubic, tr("Mean") + unit,
                 tr("Deviation") + unit, tr("Minimum") + unit, tr("Maximum") + unit,
             )[section]  # fmt: skip
         if role == Qt.ItemDataRole.ToolTipRole:
-            name = "" if table.values is None else table.values.name
+            name = "" if values is None else values.name
             return (
                 tr("Tick what is to be seen; double-click a name to change it"),
                 tr("Number in the file"),

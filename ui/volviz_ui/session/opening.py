@@ -16,6 +16,7 @@ from volviz.model.layer_looks import channel_color, channel_function
 from volviz.model.layers import ImageLayer, LabelLayer, Layer
 from volviz.model.looks.choice import best_look
 from volviz.model.looks.look import Look
+from volviz.model.movie import Movie
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
 from volviz.volume_data.label_indices import label_indices_of
@@ -191,13 +192,17 @@ def open_channels(key: VolumeKey, source: VolumeSource, task: Task) -> Opened:
 
 
 def scene_with(scene: Scene, opened: Opened) -> Scene:
-    """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed."""
+    """The scene with another volume: its own transfer function, nothing cut away, the camera to be framed.
+
+    What was said of the volume before, where slices lie, measurements, the movie, goes with it; undo brings all back.
+    """
     if opened.scene is not None:
         return opened.scene
     views = tuple(replace(view, camera=None) for view in scene.views)
     clipping = replace(scene.clipping, crop=None, planes=())
     light = replace(scene.light, position=None)
     changed = replace(
-        scene, layers=opened.layers, active_layer=0, views=views, clipping=clipping, light=light
-    )
+        scene, layers=opened.layers, active_layer=0, views=views, clipping=clipping, light=light, cursor=None,
+        tilt=None, measurements=(), movie=Movie(),
+    )  # fmt: skip
     return changed if opened.look is None else with_look(changed, opened.look)
