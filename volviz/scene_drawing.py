@@ -15,6 +15,7 @@ from volviz.custom_gl.resolve import resolve
 from volviz.custom_gl.scene_techniques import drawn_spec
 from volviz.embedded_session import saving_options
 from volviz.errors import Cancelled
+from volviz.model.layers import holding
 from volviz.model.picture import Picture
 from volviz.model.render_spec import RenderSpec, View
 from volviz.model.scene import Scene
@@ -108,5 +109,5 @@ def _spec(scene: Scene, view: int, volumes: Mapping[VolumeKey, Volume]) -> Rende
         return spec
     from volviz.compare.distance_colors import colors_of
 
-    whole = (replace(each, volume=volumes[each.key], channel=None, time=0) for each in spec.layers)
-    return replace(spec, surface_colors=colors_of(replace(spec, layers=tuple(whole))))
+    whole = replace(spec, layers=tuple(holding(layer, volumes) for layer in spec.layers))
+    return replace(spec, surface_colors=colors_of(whole))

@@ -259,6 +259,11 @@ def changed_layers(layers: Sequence[Layer], number: int, **changes: Any) -> tupl
     )
 
 
+def holding(layer: Layer, volumes: Mapping[VolumeKey, Volume]) -> Layer:
+    """The layer that holds its values instead of naming them, for whoever draws or measures without a window."""
+    return replace(layer, volume=volumes[layer.key], channel=None, time=0)
+
+
 def _key(layer: Layer) -> VolumeKey:
     if not isinstance(layer.volume, VolumeRef):
         raise InputError(

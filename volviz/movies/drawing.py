@@ -10,10 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from volviz import __version__
+from volviz.annotations.figure import write_picture
 from volviz.annotations.picture import usual_scale
 from volviz.embedded_session import saving_options, session_with
 from volviz.errors import Cancelled, InputError
@@ -228,21 +226,14 @@ def _draw(
                 raise _cancelled(number, count) from None
             # numbered frames are pictures of their own
             told = session_with(now, picture, path) if movie.kind is None and movie.keep_session else None
-            with written_beside(path) as part:
-                _save(composition.image(), part, told)
+            # packing it well would take longer than drawing a small one
+            write_picture(path, composition.image(), compress_level=1, **saving_options(path, told))
             drawn += 1
     return drawn
 
 
 def _cancelled(done: int, count: int) -> Cancelled:
     return Cancelled(f"the movie was cancelled; {done} of {count} frames are kept.")
-
-
-def _save(image: npt.NDArray[np.uint8], path: Path, session: dict[str, Any] | None) -> None:
-    """Write a frame; packing it well would take longer than drawing a small one."""
-    from PIL import Image
-
-    Image.fromarray(image).save(path, compress_level=1, **saving_options(path, session))
 
 
 def _encode(

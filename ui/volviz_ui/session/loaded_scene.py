@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from volviz.custom_gl.scene_techniques import current_technique, drawn_spec, draws_one, render_spec
+from volviz.model.layers import holding
 from volviz.model.render_spec import RenderSpec
 from volviz.model.scene import Scene
 from volviz.model.transfer.function import TransferFunction
@@ -47,20 +48,15 @@ class LoadedScene:
 
     def whole_spec(self, view: int) -> RenderSpec:
         """The same with the volumes themselves in the layers, for other threads."""
-        spec = self.spec(view)
-        layers = (replace(each, volume=self.volumes[each.key], channel=None, time=0) for each in spec.layers)
-        return replace(
-            spec, layers=tuple(layers), surface_colors=render_spec(self.scene, view).surface_colors
-        )
+        spec = drawn_spec(self.scene, view)
+        return replace(spec, layers=tuple(holding(layer, self.volumes) for layer in spec.layers))
 
     def active_spec(self, view: int) -> RenderSpec:
         """The same of the active layer alone: what a ray inspector follows."""
         active = self.scene.layer
         if active is None:
             return self.whole_spec(view)
-        layer = replace(
-            active, volume=self.volumes[active.key], channel=None, time=0, visible=True, mode="add"
-        )
+        layer = replace(holding(active, self.volumes), visible=True, mode="add")
         return replace(render_spec(self.scene, view), layers=(layer,))
 
 
