@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QMessageBox
 
 from tests.ui.conftest import image, is_complete
 from volviz.model.movie import Movie
@@ -192,3 +193,31 @@ def test_what_cannot_be_saved_is_told_in_the_dialog(
     assert "even width" in str(told[0])
     assert dialog.path == ""
     dialog.reject()
+
+
+def test_numbered_pictures_are_not_replaced_without_a_question(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    say(window.movie_panel, "turn 360 degrees in 1 s")
+    (tmp_path / "movie0000.png").write_bytes(b"somebody's picture")
+    asked: list[str] = []
+    buttons = QMessageBox.StandardButton
+    answers = iter([buttons.Cancel, buttons.No])
+
+    def question(_parent: object, _title: str, words: str, *_buttons: object) -> QMessageBox.StandardButton:
+        asked.append(words)
+        return next(answers)
+
+    monkeypatch.setattr(QMessageBox, "question", question)
+    dialog = window.movie_commands.save()
+    dialog.format.setCurrentIndex(dialog.format.count() - 1)
+    dialog.accepted.disconnect()
+    dialog.take(str(tmp_path / "movie%04d.png"))
+    assert (len(asked), dialog.path) == (1, "")
+    dialog.take(str(tmp_path / "other%04d.png"))
+    assert (len(asked), dialog.overwrite) == (1, False)
+    dialog = window.movie_commands.save()
+    dialog.accepted.disconnect()
+    dialog.format.setCurrentIndex(dialog.format.count() - 1)
+    dialog.take(str(tmp_path / "movie%04d.png"))
+    assert (len(asked), dialog.overwrite, dialog.resume) == (2, True, False)

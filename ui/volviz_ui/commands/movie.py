@@ -59,7 +59,7 @@ class MovieCommands(QObject):
         self._context.docks.show("movie")
         self._maker.draw(
             dialog.path, dialog.pixels, transparent=dialog.is_transparent,
-            keep_session=dialog.session.isChecked(), resume=dialog.resume,
+            keep_session=dialog.session.isChecked(), resume=dialog.resume, overwrite=dialog.overwrite,
         )  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from volviz.errors import VolvizError
-from volviz.movies.encoding import FORMATS, Format, check_encoder
+from volviz.movies.encoding import FORMATS, Format, check_encoder, format_of
 from volviz_ui.dialogs.error import show_error
 from volviz_ui.editors.simple import NoWheelComboBox
 from volviz_ui.widgets.dialog_layout import lay_out
@@ -45,13 +45,15 @@ class SaveFilmDialog(QDialog):
         What was chosen; empty until then.
     resume : bool
         Whether to go on with frames that are there.
+    overwrite : bool
+        Whether what is there may be replaced; numbered pictures never without a question.
     """
 
     def __init__(
         self, view_size: tuple[int, int], words: str, folder: str, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
-        self.path, self.resume = "", False
+        self.path, self.resume, self.overwrite = "", False, False
         self._folder = folder
         self.setWindowTitle(self.tr("Save film"))
         self.format = NoWheelComboBox(self)
@@ -129,13 +131,20 @@ class SaveFilmDialog(QDialog):
         elif not path.lower().endswith(suffix):
             path += suffix
         try:
+            format_of(Path(path))
             if kind is not None:
                 check_encoder(kind, self.pixels, transparent=self.is_transparent)
         except VolvizError as error:
             show_error(self, self.tr("The film cannot be saved like this"), error)
             return
+        # the dialog for files has asked about a film, not about numbered pictures
+        self.overwrite = kind is not None
         frames = Path(path + ".frames")
-        if kind is not None and frames.is_dir() and any(frames.glob("*.png")):
+        if kind is None:
+            are_left = Path(path).with_name(Path(path).name % 0).exists()
+        else:
+            are_left = frames.is_dir() and any(frames.glob("*.png"))
+        if are_left:
             question = self.tr("Frames of an unfinished film with this name are there. Go on with them?")
             buttons = QMessageBox.StandardButton
             answer = QMessageBox.question(
@@ -144,6 +153,7 @@ class SaveFilmDialog(QDialog):
             if answer == buttons.Cancel:
                 return
             self.resume = answer == buttons.Yes
+            self.overwrite = True
         self.path = path
         self.accept()
 

@@ -219,7 +219,14 @@ class MovieMaker(QObject):
         return self.process.is_running
 
     def draw(
-        self, path: str, size: tuple[int, int], *, transparent: bool, keep_session: bool, resume: bool
+        self,
+        path: str,
+        size: tuple[int, int],
+        *,
+        transparent: bool,
+        keep_session: bool,
+        resume: bool,
+        overwrite: bool,
     ) -> bool:
         """Have the movie drawn into a file; the rest is told by the signals. False when it cannot begin.
 
@@ -235,6 +242,8 @@ class MovieMaker(QObject):
             The file tells how it was made.
         resume : bool
             Go on with frames that are there.
+        overwrite : bool
+            Replace what is there.
         """
         self.stop()
         folder = QTemporaryDir()
@@ -246,8 +255,7 @@ class MovieMaker(QObject):
             return False
         arguments = ["movie", str(session), "-o", path, "--size", f"{size[0]}x{size[1]}"]
         arguments += ["--resume"] if resume else []
-        # whether a file may be replaced has been asked
-        arguments += ["--overwrite"]
+        arguments += ["--overwrite"] if overwrite else []
         arguments += ["--background", "none"] if transparent else []
         arguments += [] if keep_session else ["--no-session"]
         names = self._context.views.active.annotations.contents.names
