@@ -20,8 +20,10 @@ from volviz.model.movies.moves import Cut, Play, Turn
 from volviz.model.movies.timeline import Timeline
 from volviz.model.render_spec import View
 from volviz.model.scene import Scene
+from volviz.model.transfer.function import TransferFunction
 from volviz.movies.drawing import MovieFile, write_movie
 from volviz.scene_volumes import SceneVolumes, framed, holds_scene, load_scene
+from volviz.volume_data.array_source import ArraySource
 from volviz.volume_data.references import reference_to
 
 SIZE = (64, 48)
@@ -183,3 +185,19 @@ def test_a_cut_and_captions_are_seen(scene: Scene, tmp_path: Path) -> None:
     middle = (slice(40, 80), slice(40, 120))
     assert first[middle].mean() > 5
     assert last[middle].mean() < 1, "all is cut away at the end"
+
+
+def test_every_frame_shows_its_own_time_point(tmp_path: Path) -> None:
+    count = 5
+    array = np.empty((count, 12, 12, 12), np.uint8)
+    array[:] = np.array([30 + 40 * n for n in range(count)], np.uint8)[:, None, None, None]
+    volviz.save(
+        ArraySource(array, times=tuple(float(n) for n in range(count)), name="film"),
+        tmp_path / "film.ome.tif",
+    )
+    grey = TransferFunction.from_points([(0.0, (0.0, 0.0, 0.0, 1.0)), (255.0, (1.0, 1.0, 1.0, 1.0))])
+    layer = ImageLayer(reference_to(tmp_path / "film.ome.tif", {}), grey)
+    movie = Movie((Step((Play(0, count - 1),), 1.0, "even"),), fps=count)
+    write_movie(MovieFile(Scene((layer,), movie=movie), tmp_path / "%d.png", SIZE))
+    middles = [int(pixels(tmp_path / f"{n}.png")[SIZE[1] // 2, SIZE[0] // 2, 0]) for n in range(count)]
+    np.testing.assert_allclose(middles, [30 + 40 * n for n in range(count)], atol=1)
